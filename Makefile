@@ -1,0 +1,124 @@
+# Boresight. `make help` lists the targets; everything is written to build/.
+VERSION := 0.1.0
+PREFIX ?= /usr/local
+B := build
+
+# All cores, unless the caller says otherwise; one target's output stays together.
+ifeq ($(filter -j%,$(MAKEFLAGS)),)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 2)
+endif
+MAKEFLAGS += --output-sync=target --no-builtin-rules
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := all
+
+# ---------------------------------------------------------------- sources
+firmware_c := $(wildcard firmware/*/*.c)
+hal_c := $(wildcard hal/*.c hal/linux/*.c)
+sim_c := $(wildcard host-sim/*.c host-sim/*/*.c)
+program_c := $(wildcard boards/linux/*.c)
+test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c)
+# Each of these files is one test program.
+unit_c := $(wildcard tests/unit/*.c)
+host_test_c := $(wildcard tests/contract/*.c tests/property/*.c tests/scenario/*.c)
+test_scripts := $(wildcard tests/cli/*.sh tests/gate/*.sh)
+all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c)
+formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.h hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
+    boards/*/*.[ch] tests/*.h tests/*/*.h tests/*/*/*.h))
+
+# ---------------------------------------------------------------- flags
+warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
+    -Wundef -Wcast-qual -Wwrite-strings -Wpointer-arith
+common := -std=c11 -g $(warnings) -ffp-contract=off -fno-common
+# firmware/ is freestanding and has no floating point: with this flag a float does not compile.
+firmware_flags := -ffreestanding -mgeneral-regs-only -Ifirmware -Ihal/include
+host_flags := -D_GNU_SOURCE -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
+arm_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -fdata-sections -fstack-usage \
+    -mthumb -mfloat-abi=soft -Ifirmware -Ihal/include
+
+# A variant is a compiler with flags; its files are below build/VARIANT/. gcc is what is installed.
+gcc_cc := gcc
+gcc_flags := -O2
+clang_cc := clang
+clang_flags := -O2
+san_cc := clang
+san_flags := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+san_ld := -fsanitize=address,undefined
+variants := gcc clang san
+arm_cores := cortex-m0plus cortex-m4
+
+# ---------------------------------------------------------------- build id
+# The file changes only when its text does, so that a commit doesn't rebuild the tree.
+commit := $(shell git rev-parse --short=12 HEAD 2>/dev/null || echo unknown)
+dirty := $(shell test -z "$$(git status --porcelain --untracked-files=no 2>/dev/null)" || echo -dirty)
+build_id := $(VERSION) $(commit)$(dirty)
+$(B)/build_id.c: FORCE
+	@mkdir -p $(@D)
+	@echo 'extern const char build_id[];' > $@.new
+	@echo 'const char build_id[] = "$(build_id)";' >> $@.new
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+# ---------------------------------------------------------------- one variant
+define variant_rules
+$(B)/$(1)/firmware/%.o: firmware/%.c
+	@mkdir -p $$(@D)
+	$$($(1)_cc) $(common) $$($(1)_flags) $(firmware_flags) -MMD -MP -c $$< -o $$@
+$(B)/$(1)/build_id.o: $(B)/build_id.c
+	@mkdir -p $$(@D)
+	$$($(1)_cc) $(common) $$($(1)_flags) -c $$< -o $$@
+$(B)/$(1)/%.o: %.c
+	@mkdir -p $$(@D)
+	$$($(1)_cc) $(common) $$($(1)_flags) $(host_flags) -MMD -MP -c $$< -o $$@
+
+$(B)/$(1)/libfirmware.a: $(firmware_c:%.c=$(B)/$(1)/%.o) $(B)/$(1)/build_id.o
+$(B)/$(1)/libhal.a: $(hal_c:%.c=$(B)/$(1)/%.o)
+$(B)/$(1)/libsim.a: $(sim_c:%.c=$(B)/$(1)/%.o)
+# The program's files but its main(), for the tests that link them.
+$(B)/$(1)/libprogram.a: $(patsubst %.c,$(B)/$(1)/%.o,$(filter-out boards/linux/main.c,$(program_c)))
+$(B)/$(1)/libtest.a: $(test_support_c:%.c=$(B)/$(1)/%.o)
+$(B)/$(1)/lib%.a:
+	@rm -f $$@
+	ar rcs $$@ $$^
+
+$(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
+$(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -lm
+$(B)/$(1)/tests/%: $(B)/$(1)/tests/%.o $(B)/$(1)/libtest.a $$($(1)_libs)
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -lmpfr -lgmp -lm
+-include $(all_c:%.c=$(B)/$(1)/%.d)
+endef
+$(foreach v,$(variants),$(eval $(call variant_rules,$(v))))
+
+# firmware/ as the microcontrollers get it: nothing may lean on the host.
+define arm_rules
+$(B)/$(1)/%.o: %.c
+	@mkdir -p $$(@D)
+	arm-none-eabi-gcc $(arm_flags) -mcpu=$(1) -MMD -MP -c $$< -o $$@
+-include $(firmware_c:%.c=$(B)/$(1)/%.d)
+endef
+$(foreach c,$(arm_cores),$(eval $(call arm_rules,$(c))))
+arm_objects := $(foreach c,$(arm_cores),$(firmware_c:%.c=$(B)/$(c)/%.o))
+
+.SECONDARY:
+.PHONY: FORCE
+FORCE:
+
+include tests/tests.mk
+
+# ---------------------------------------------------------------- targets
+.PHONY: all help demo check lint format size install uninstall clean
+all: $(B)/boresight ## Build the program (build/boresight)
+$(B)/boresight: $(B)/gcc/boresight
+	@cp $< $@
+
+help: ## List the targets
+	@grep -hE '^[a-z-]+:.*## ' Makefile tests/tests.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
+
+install: $(B)/boresight ## Install the program (PREFIX, DESTDIR)
+	install -D -m 755 $(B)/boresight $(DESTDIR)$(PREFIX)/bin/boresight
+
+uninstall: ## Remove what install installed
+	rm -f $(DESTDIR)$(PREFIX)/bin/boresight
+
+clean: ## Remove build/
+	rm -rf $(B)

@@ -1,0 +1,147 @@
+#include "fixed/vec3.h"
+
+#include "fixed/root.h"
+
+struct i128 vec3_dot(struct vec3 a, struct vec3 b) {
+    const struct i128 xy =
+        i128_add(i128_from_i64((int64_t)a.x * b.x), i128_from_i64((int64_t)a.y * b.y));
+    return i128_add(xy, i128_from_i64((int64_t)a.z * b.z));
+}
+
+struct i128 vec3_i64_dot_vec3(struct vec3_i64 a, struct vec3 b) {
+    // a = high * 2^32 + low; both partial sums of three products fit 66 bits, so they are kept as
+    // two words.
+    const int64_t x1 = a.x >> 32, y1 = a.y >> 32, z1 = a.z >> 32;
+    const int64_t x0 = (uint32_t)a.x, y0 = (uint32_t)a.y, z0 = (uint32_t)a.z;
+    const struct i128 low = i128_add(i128_add(i128_from_i64(x0 * b.x), i128_from_i64(y0 * b.y)),
+                                     i128_from_i64(z0 * b.z));
+    const struct i128 high = i128_add(i128_add(i128_from_i64(x1 * b.x), i128_from_i64(y1 * b.y)),
+                                      i128_from_i64(z1 * b.z));
+    const struct i128 shifted = {high.lo << 32,
+                                 (int64_t)(((uint64_t)high.hi << 32) | (high.lo >> 32))};
+    return i128_add(low, shifted);
+}
+
+struct i128 vec3_i64_dot(struct vec3_i64 a, struct vec3_i64 b) {
+    return i128_add(i128_add(i128_mul(a.x, b.x), i128_mul(a.y, b.y)), i128_mul(a.z, b.z));
+}
+
+struct vec3_i128 vec3_i64_cross(struct vec3_i64 a, struct vec3_i64 b) {
+    return (struct vec3_i128){i128_sub(i128_mul(a.y, b.z), i128_mul(a.z, b.y)),
+                              i128_sub(i128_mul(a.z, b.x), i128_mul(a.x, b.z)),
+                              i128_sub(i128_mul(a.x, b.y), i128_mul(a.y, b.x))};
+}
+
+struct i256 vec3_i128_dot(struct vec3_i128 a, struct vec3_i64 b) {
+    return i256_add(i256_add(i256_mul(a.x, i128_from_i64(b.x)), i256_mul(a.y, i128_from_i64(b.y))),
+                    i256_mul(a.z, i128_from_i64(b.z)));
+}
+
+static struct u128 u128_shift_left(struct u128 a, unsigned shift) {
+    if (shift == 0U) {
+        return a;
+    }
+    return shift < 64U ? (struct u128){a.lo << shift, (a.hi << shift) | (a.lo >> (64U - shift))}
+                       : (struct u128){0, a.lo << (shift - 64U)};
+}
+
+/// Is size / sqrt(norm2) * 2^bits < candidate - 1/2, decided exactly: size^2 * 2^(2 bits + 2) < (2
+/// candidate - 1)^2 * norm2. bits: 30 or 61; candidate: at most 2^bits + 2; size^2 <= norm2 < 2^64.
+static bool rounds_below(uint64_t size, uint64_t norm2, uint64_t candidate, unsigned bits) {
+    const uint64_t odd = 2U * candidate - 1U; // below 2^63
+    // left = size^2 << (2 bits + 2), right = odd^2 * norm2: at most 190 bits, in i256.
+    const struct u128 square = u128_mul(odd, odd);
+    const struct i256 right =
+        i256_mul((struct i128){square.lo, (int64_t)square.hi}, (struct i128){norm2, 0});
+    const struct u128 scale = u128_shift_left((struct u128){1, 0}, 2U * bits + 2U);
+    const struct i256 left =
+        i256_mul((struct i128){scale.lo, (int64_t)scale.hi}, (struct i128){size * size, 0});
+    return i256_sign(i256_sub(left, right)) < 0;
+}
+
+/// round(size / sqrt(norm2) * 2^bits), correctly rounded, from a length that is good to 2^-62.
+static int64_t normalise_component(int32_t component, uint64_t norm2, uint64_t length,
+                                   unsigned shift, unsigned bits) {
+    const uint64_t size = u64_abs(component);
+    uint64_t rest;
+    // length = sqrt(norm2 << 2 shift) * 2^32 has its leading bit at 63; size << shift < 2^32.
+    const struct u128 dividend = u128_shift_left((struct u128){size << shift, 0}, bits + 32U);
+    uint64_t quotient = u128_div_u64(dividend, length, &rest);
+    while (!rounds_below(size, norm2, quotient + 1U, bits)) {
+        quotient++;
+    }
+    while (quotient != 0U && rounds_below(size, norm2, quotient, bits)) {
+        quotient--;
+    }
+    return component < 0 ? -(int64_t)quotient : (int64_t)quotient;
+}
+
+static struct vec3_i64 normalise(struct vec3 a, unsigned bits) {
+    const uint64_t norm2 = vec3_norm2(a);
+    if (norm2 == 0U) {
+        return (struct vec3_i64){0, 0, 0};
+    }
+    const unsigned shift = u64_leading_zeros(norm2) / 2U;
+    const uint64_t length = root_u128((struct u128){0, norm2 << (2U * shift)});
+    return (struct vec3_i64){normalise_component(a.x, norm2, length, shift, bits),
+                             normalise_component(a.y, norm2, length, shift, bits),
+                             normalise_component(a.z, norm2, length, shift, bits)};
+}
+
+struct vec3 vec3_normalise(struct vec3 a) {
+    const struct vec3_i64 unit = normalise(a, 30U);
+    return vec3((int32_t)unit.x, (int32_t)unit.y, (int32_t)unit.z);
+}
+
+struct vec3_i64 vec3_normalise_q61(struct vec3 a) {
+    return normalise(a, 61U);
+}
+
+static uint64_t largest_component(struct vec3_i64 a) {
+    const uint64_t x = u64_abs(a.x), y = u64_abs(a.y), z = u64_abs(a.z);
+    const uint64_t xy = x > y ? x : y;
+    return xy > z ? xy : z;
+}
+
+/// Squared length; components at most 2^62 in size.
+static struct u128 norm2_i64(struct vec3_i64 a) {
+    const struct i128 square = vec3_i64_dot(a, a);
+    return (struct u128){square.lo, (uint64_t)square.hi};
+}
+
+uint64_t vec3_i64_length(struct vec3_i64 a) {
+    return root_u128(norm2_i64(a));
+}
+
+/// size * 2^30 / length rounded as the header says; size <= length + 1, length >= 2^61.
+static int32_t round_component(int64_t component, uint64_t length) {
+    const uint64_t size = u64_abs(component);
+    uint64_t rest;
+    const uint64_t fine = u128_div_u64(u128_shift_left((struct u128){size, 0}, 54U), length, &rest);
+    const uint64_t half_and_window = (UINT64_C(1) << 23) + 16U;
+    const int32_t rounded = (int32_t)((fine + half_and_window) >> 24);
+    return component < 0 ? -rounded : rounded;
+}
+
+struct vec3 vec3_i64_normalise(struct vec3_i64 a) {
+    const uint64_t largest = largest_component(a);
+    if (largest == 0U) {
+        return vec3(0, 0, 0);
+    }
+    const unsigned zeros = u64_leading_zeros(largest);
+    struct vec3_i64 scaled = a;
+    if (zeros >= 2U) { // leading bit to position 61: exact
+        const unsigned shift = zeros - 2U;
+        scaled.x = (int64_t)((uint64_t)a.x << shift);
+        scaled.y = (int64_t)((uint64_t)a.y << shift);
+        scaled.z = (int64_t)((uint64_t)a.z << shift);
+    } else { // at most two bits too long: 2^-62 of the length is lost
+        const unsigned shift = 2U - zeros;
+        scaled.x = a.x / ((int64_t)1 << shift);
+        scaled.y = a.y / ((int64_t)1 << shift);
+        scaled.z = a.z / ((int64_t)1 << shift);
+    }
+    const uint64_t length = vec3_i64_length(scaled);
+    return vec3(round_component(scaled.x, length), round_component(scaled.y, length),
+                round_component(scaled.z, length));
+}

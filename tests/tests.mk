@@ -1,0 +1,31 @@
+# The tests, as the Makefile sees them. tests/README.md explains what each folder holds.
+
+# A unit test runs in all variants; the others where they say something new: once with gcc, and (contract
+# and scenario tests, which touch the most memory) once with the sanitizers.
+test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
+    $(host_test_c:%.c=gcc/%) \
+    $(patsubst %.c,san/%,$(filter tests/contract/% tests/scenario/%,$(host_test_c))) \
+    $(test_scripts:%.sh=script/%)
+logs := $(test_runs:%=$(B)/check/%.log)
+
+.PHONY: need-check need-demo
+need-check:
+	@.ci/need check
+need-demo:
+	@.ci/need demo
+
+# Tests always run. A failing test does not stop the others: its log and its exit status are kept.
+$(B)/check/script/%.log: %.sh $(B)/boresight FORCE
+	@tests/run.sh $@ sh $<
+define variant_test
+$(B)/check/$(1)/%.log: $(B)/$(1)/% FORCE
+	@tests/run.sh $$@ $$<
+endef
+$(foreach v,$(variants),$(eval $(call variant_test,$(v))))
+
+check: need-check ## Run every test that needs no hardware; ends with `N passed, N failed`
+	@$(MAKE) --no-print-directory check-all
+
+.PHONY: check-all
+check-all: $(logs)
+	@tests/summary.sh $(logs)
