@@ -4,13 +4,21 @@ PREFIX ?= /usr/local
 B := build
 
 # All cores, unless the caller says otherwise; one target's output stays together.
-ifeq ($(filter -j%,$(MAKEFLAGS)),)
+ifeq ($(MAKELEVEL)$(filter -j% --jobserver%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 2)
 endif
 MAKEFLAGS += --output-sync=target --no-builtin-rules
 .SUFFIXES:
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
+
+# `make V=1` shows the commands; otherwise a line a file.
+ifeq ($(V),1)
+say = @:
+else
+.SILENT:
+say = @printf '  %-6s %s\n'
+endif
 
 # ---------------------------------------------------------------- sources
 firmware_c := $(wildcard firmware/*/*.c)
@@ -62,12 +70,14 @@ $(B)/build_id.c: FORCE
 define variant_rules
 $(B)/$(1)/firmware/%.o: firmware/%.c
 	@mkdir -p $$(@D)
+	$$(say) CC $$@
 	$$($(1)_cc) $(common) $$($(1)_flags) $(firmware_flags) -MMD -MP -c $$< -o $$@
 $(B)/$(1)/build_id.o: $(B)/build_id.c
 	@mkdir -p $$(@D)
 	$$($(1)_cc) $(common) $$($(1)_flags) -c $$< -o $$@
 $(B)/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
+	$$(say) CC $$@
 	$$($(1)_cc) $(common) $$($(1)_flags) $(host_flags) -MMD -MP -c $$< -o $$@
 
 $(B)/$(1)/libfirmware.a: $(firmware_c:%.c=$(B)/$(1)/%.o) $(B)/$(1)/build_id.o
@@ -78,12 +88,15 @@ $(B)/$(1)/libprogram.a: $(patsubst %.c,$(B)/$(1)/%.o,$(filter-out boards/linux/m
 $(B)/$(1)/libtest.a: $(test_support_c:%.c=$(B)/$(1)/%.o)
 $(B)/$(1)/lib%.a:
 	@rm -f $$@
+	$$(say) AR $$@
 	ar rcs $$@ $$^
 
 $(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
 $(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
+	$$(say) LD $$@
 	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -lm
 $(B)/$(1)/tests/%: $(B)/$(1)/tests/%.o $(B)/$(1)/libtest.a $$($(1)_libs)
+	$$(say) LD $$@
 	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -lmpfr -lgmp -lm
 -include $(all_c:%.c=$(B)/$(1)/%.d)
 endef
@@ -93,6 +106,7 @@ $(foreach v,$(variants),$(eval $(call variant_rules,$(v))))
 define arm_rules
 $(B)/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
+	$$(say) CC $$@
 	arm-none-eabi-gcc $(arm_flags) -mcpu=$(1) -MMD -MP -c $$< -o $$@
 -include $(firmware_c:%.c=$(B)/$(1)/%.d)
 endef
