@@ -1,0 +1,6 @@
+#include "drive/drive.h"
+
+#include "drive/rmd.h"
+#include "fixed/q30.h"
+#include "motion/axis.h"
+

@@ -1,0 +1,78 @@
+#include "motion/lens.h"
+
+#include "fixed/trig.h"
+
+bool lens_valid(const struct lens_config *lens) {
+    const uint32_t metre_um = 1000000;
+    if (lens->point_count < 2U || lens->point_count > LENS_TABLE_MAX ||
+        lens->point[0].focal_um == 0U || lens->sensor_width_um == 0U ||
+        lens->sensor_height_um == 0U || lens->sensor_width_um > metre_um ||
+        lens->sensor_height_um > metre_um || lens->margin_q16 > 10U << 16) {
+        return false;
+    }
+    for (uint32_t i = 1; i < lens->point_count; i++) {
+        if (lens->point[i].focal_um <= lens->point[i - 1U].focal_um ||
+            lens->point[i].position_q48 <= lens->point[i - 1U].position_q48) {
+            return false;
+        }
+    }
+    return true;
+}
+
+uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle) {
+    const uint32_t shortest = lens->point[0].focal_um;
+    const uint32_t longest = lens->point[lens->point_count - 1U].focal_um;
+    if (half_angle.bam >= BAM32_QUARTER) {
+        return shortest;
+    }
+    const uint32_t side_um = lens->sensor_width_um < lens->sensor_height_um
+                                 ? lens->sensor_width_um
+                                 : lens->sensor_height_um;
+    // side / 2 = focal * tan(half angle) * (1 + margin)
+    const struct sincos half = trig_sincos(half_angle);
+    const uint64_t opposite = ((uint64_t)half.sin_q30 * ((1U << 16) + lens->margin_q16)) >> 16;
+    const uint64_t adjacent = (uint64_t)half.cos_q30 * side_um / 2U;
+    if (opposite == 0U || adjacent / opposite >= longest) {
+        return longest;
+    }
+    const uint32_t focal_um = (uint32_t)(adjacent / opposite);
+    return focal_um > shortest ? focal_um : shortest;
+}
+
+int64_t lens_position_q48(const struct lens_config *lens, uint32_t focal_um) {
+    uint32_t i = 1;
+    while (i + 1U < lens->point_count && lens->point[i].focal_um < focal_um) {
+        i++;
+    }
+    const struct lens_point low = lens->point[i - 1U], high = lens->point[i];
+    if (focal_um <= low.focal_um) {
+        return low.position_q48;
+    }
+    if (focal_um >= high.focal_um) {
+        return high.position_q48;
+    }
+    // Positions to 16 fewer bits, so that the product fits: 2^32 steps of travel are plenty for a
+    // lens.
+    const int64_t rise = (high.position_q48 - low.position_q48) >> 16;
+    const int64_t part = (int64_t)(focal_um - low.focal_um),
+                  run = (int64_t)(high.focal_um - low.focal_um);
+    return low.position_q48 + rise * part / run * (1 << 16);
+}
+
+uint32_t lens_focal_at_um(const struct lens_config *lens, int64_t position_q48) {
+    uint32_t i = 1;
+    while (i + 1U < lens->point_count && lens->point[i].position_q48 < position_q48) {
+        i++;
+    }
+    const struct lens_point low = lens->point[i - 1U], high = lens->point[i];
+    if (position_q48 <= low.position_q48) {
+        return low.focal_um;
+    }
+    if (position_q48 >= high.position_q48) {
+        return high.focal_um;
+    }
+    const int64_t rise = (int64_t)(high.focal_um - low.focal_um);
+    const int64_t part = (position_q48 - low.position_q48) >> 16,
+                  run = (high.position_q48 - low.position_q48) >> 16;
+    return low.focal_um + (uint32_t)((rise * part + run / 2) / run);
+}

@@ -1,0 +1,46 @@
+#include "motion/tracker.h"
+
+#include "fixed/q30.h"
+
+void tracker_reset(struct tracker *tracker) {
+    *tracker = (struct tracker){0};
+}
+
+/// value * fraction, |value| below 2^46.
+static int64_t scale(int64_t value, uint32_t fraction_q16) {
+    return round_shift_i64(value * (int64_t)fraction_q16, 16U);
+}
+
+void tracker_update(struct tracker *tracker, const struct tracker_config *config,
+                    int64_t position_q48) {
+    const int64_t surprise = position_q48 - tracker->position_q48;
+    const uint32_t elapsed = tracker->age_ticks;
+    tracker->age_ticks = 0;
+    if (!tracker->valid || surprise > config->jump_q48 || surprise < -config->jump_q48) {
+        *tracker = (struct tracker){.position_q48 = position_q48, .valid = true};
+        return;
+    }
+    if (elapsed == 0U) { // a second goal in one tick: no time for a rate to show
+        tracker->position_q48 = position_q48;
+        return;
+    }
+    // Fading memory m: alpha = 1 - m^2, beta = (1 - m)^2.
+    const uint32_t one = UINT32_C(1) << 16, memory = config->memory_q16;
+    const uint32_t alpha = one - (uint32_t)(((uint64_t)memory * memory) >> 16);
+    const uint32_t beta = (uint32_t)(((uint64_t)(one - memory) * (one - memory)) >> 16);
+    tracker->position_q48 += scale(surprise, alpha);
+    tracker->rate_q48 += scale(surprise, beta) / (int64_t)elapsed;
+}
+
+void tracker_advance(struct tracker *tracker, const struct tracker_config *config) {
+    if (!tracker->valid) {
+        return;
+    }
+    if (tracker->age_ticks < UINT32_MAX) {
+        tracker->age_ticks++;
+    }
+    if (tracker->age_ticks > config->coast_ticks) {
+        tracker->rate_q48 = 0;
+    }
+    tracker->position_q48 += tracker->rate_q48;
+}
