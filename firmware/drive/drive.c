@@ -4,3 +4,234 @@
 #include "fixed/q30.h"
 #include "motion/axis.h"
 
+/// What an RMD drive is asked before its axis counts as homed: bits of drive.asked once answered.
+enum rmd_question {
+    RMD_KNOWS_ANGLE = 1,
+    RMD_KNOWS_HEALTH = 2,
+    RMD_KNOWS_WATCHDOG = 4,
+    RMD_KNOWS_ACCEL = 8,
+    RMD_KNOWS_ALL = 15,
+    RMD_RUNS = 16 ///< LKTech: the run command is confirmed
+};
+
+/// Every so many cycles the status request takes the place of the angle request: 64 ms at 1 ms a
+/// tick.
+#define HEALTH_CYCLES 16U
+
+int64_t drive_cdeg_from_q48(int64_t position_q48) {
+    // 36000 hundredths a turn are 1125 / 2^43 a unit; whole turns apart, so that the product fits.
+    const int64_t turns = position_q48 >> 48, rest = position_q48 & (AXIS_TURN_Q48 - 1);
+    return turns * 36000 + round_shift_i64(rest * 1125, 43U);
+}
+
+int64_t drive_q48_from_cdeg(int64_t angle_cdeg) {
+    int64_t turns = angle_cdeg / 36000, rest = angle_cdeg % 36000;
+    if (rest < 0) {
+        rest += 36000;
+        turns--;
+    }
+    return turns * AXIS_TURN_Q48 + ((rest << 43) + 562) / 1125;
+}
+
+bool drive_config_valid(const struct drive_config *config) {
+    switch (config->kind) {
+    case DRIVE_RMD:
+        return config->rmd.id >= RMD_ID_MIN && config->rmd.id <= RMD_ID_MAX &&
+               (config->rmd.reply_offset == RMD_REPLY_OFFSET_V3 ||
+                config->rmd.reply_offset == RMD_REPLY_OFFSET_LK);
+    case DRIVE_PWM:
+        return config->pwm.high_q48 - config->pwm.low_q48 >= (int64_t)1 << 24 &&
+               config->pwm.low_pulse_ns != config->pwm.high_pulse_ns &&
+               config->pwm.low_pulse_ns != 0U && config->pwm.high_pulse_ns != 0U &&
+               config->pwm.low_pulse_ns <= 20000000U && config->pwm.high_pulse_ns <= 20000000U;
+    default:
+        return false;
+    }
+}
+
+void drive_init(struct drive *drive, const struct drive_config *config, uint64_t now_us) {
+    *drive = (struct drive){.config = config, .heard_us = now_us};
+    drive->ready = config->kind == DRIVE_PWM; // nothing to ask
+}
+
+void drive_forget(struct drive *drive) {
+    drive->asked = 0;
+    drive->ready = drive->config->kind == DRIVE_PWM;
+    drive->position_known = false;
+    drive->error_bits = 0;
+}
+
+bool drive_has_feedback(const struct drive *drive) {
+    return drive->config->kind == DRIVE_RMD;
+}
+
+// ---------------------------------------------------------------- RMD
+
+static bool speaks_lk(const struct drive_rmd_config *config) {
+    return config->reply_offset == RMD_REPLY_OFFSET_LK;
+}
+
+/// q48 counts +-32,768 turns; a drive may claim more, but no gimbal has turned so far.
+#define RMD_ANGLE_CDEG_MAX (30000 * 36000)
+
+static int64_t axis_from_motor(const struct drive_rmd_config *config, int64_t motor_q48) {
+    const int64_t from_zero = motor_q48 - config->zero_q48;
+    return config->reversed ? -from_zero : from_zero;
+}
+
+static int64_t motor_from_axis(const struct drive_rmd_config *config, int64_t axis_q48) {
+    return (config->reversed ? -axis_q48 : axis_q48) + config->zero_q48;
+}
+
+static void take_reply(struct drive *drive, const struct rmd_reply *reply) {
+    switch (reply->kind) {
+    case RMD_REPLY_ANGLE:
+        if (reply->value.angle_cdeg > RMD_ANGLE_CDEG_MAX ||
+            reply->value.angle_cdeg < -RMD_ANGLE_CDEG_MAX) {
+            drive->bad_replies++;
+            return;
+        }
+        drive->position_q48 =
+            axis_from_motor(&drive->config->rmd, drive_q48_from_cdeg(reply->value.angle_cdeg));
+        drive->position_known = true;
+        drive->asked |= RMD_KNOWS_ANGLE;
+        break;
+    case RMD_REPLY_HEALTH:
+        drive->error_bits = reply->value.health.error_bits;
+        drive->temperature_c = reply->value.health.temperature_c;
+        drive->asked |= RMD_KNOWS_HEALTH;
+        break;
+    case RMD_REPLY_WATCHDOG:
+        drive->asked |= RMD_KNOWS_WATCHDOG;
+        break;
+    case RMD_REPLY_ACCEL:
+        drive->accel_plan_dps2 = reply->value.accel.accel_dps2;
+        drive->asked |= RMD_KNOWS_ACCEL;
+        break;
+    case RMD_REPLY_ACK:
+        drive->asked |= reply->command == RMD_LK_RUN ? RMD_RUNS : 0U;
+        break;
+    default:
+        break;
+    }
+    // The LKTech dialect has no status, watchdog or acceleration commands: its angle is all there
+    // is to know.
+    const unsigned wanted = speaks_lk(&drive->config->rmd) ? RMD_KNOWS_ANGLE : RMD_KNOWS_ALL;
+    drive->ready = (drive->asked & wanted) == wanted;
+}
+
+bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us) {
+    if (drive->config->kind != DRIVE_RMD) {
+        return false;
+    }
+    const struct drive_rmd_config *config = &drive->config->rmd;
+    if (frame->flags != 0U || frame->id != 0x140U + config->id + config->reply_offset) {
+        return false;
+    }
+    struct rmd_reply reply;
+    if (rmd_decode(frame, config->reply_offset, &reply) != RMD_OK) {
+        drive->bad_replies++;
+        return true;
+    }
+    drive->heard_us = now_us;
+    take_reply(drive, &reply);
+    return true;
+}
+
+static void add_frame(struct drive_output *output, enum rmd_status status,
+                      const struct can_frame *frame) {
+    if (status == RMD_OK) { // every parameter was checked by drive_config_valid
+        output->frame[output->frame_count++] = *frame;
+    }
+}
+
+/// The start-up questions in turn, one a cycle, until each is answered. They move nothing.
+static void ask_next(const struct drive *drive, uint32_t cycle, struct drive_output *output) {
+    const struct drive_rmd_config *config = &drive->config->rmd;
+    struct can_frame frame;
+    switch (cycle % 4U) {
+    case 0:
+        add_frame(output, rmd_encode(config->id, RMD_READ_ANGLE, &frame), &frame);
+        break;
+    case 1:
+        add_frame(output, rmd_encode(config->id, RMD_READ_STATUS, &frame), &frame);
+        break;
+    case 2: // kept in the drive's flash: written only until it is confirmed
+        if ((drive->asked & RMD_KNOWS_WATCHDOG) == 0U) {
+            add_frame(output, rmd_encode_watchdog(config->id, config->watchdog_ms, &frame), &frame);
+        }
+        break;
+    default:
+        add_frame(output, rmd_encode_read_accel(config->id, RMD_ACCEL_POSITION, &frame), &frame);
+        break;
+    }
+}
+
+/// A powered drive's command of a cycle: the setpoint, or what has to come before it.
+static void command_rmd(const struct drive *drive, int64_t setpoint_q48,
+                        struct drive_output *output) {
+    const struct drive_rmd_config *config = &drive->config->rmd;
+    struct can_frame frame;
+    if (speaks_lk(config) && (drive->asked & RMD_RUNS) == 0U) {
+        add_frame(output, rmd_encode(config->id, RMD_LK_RUN, &frame), &frame);
+        return;
+    }
+    const int64_t angle_cdeg = drive_cdeg_from_q48(motor_from_axis(config, setpoint_q48));
+    add_frame(output,
+              rmd_encode_position(config->id, (int32_t)angle_cdeg, config->speed_max_dps, &frame),
+              &frame);
+}
+
+static void tick_rmd(const struct drive *drive, uint32_t tick, bool powered, int64_t setpoint_q48,
+                     struct drive_output *output) {
+    const struct drive_rmd_config *config = &drive->config->rmd;
+    const uint32_t slot = tick % DRIVE_CYCLE_TICKS, cycle = tick / DRIVE_CYCLE_TICKS;
+    if (slot == 0U && powered) {
+        command_rmd(drive, setpoint_q48, output);
+    } else if (slot == 2U && !drive->ready) {
+        ask_next(drive, cycle, output);
+    } else if (slot == 2U) {
+        const bool health = !speaks_lk(config) && cycle % HEALTH_CYCLES == 0U;
+        struct can_frame frame;
+        add_frame(output, rmd_encode(config->id, health ? RMD_READ_STATUS : RMD_READ_ANGLE, &frame),
+                  &frame);
+    }
+}
+
+// ---------------------------------------------------------------- pulse width
+
+static uint32_t pulse_for(const struct drive_pwm_config *config, int64_t position_q48) {
+    int64_t position = position_q48;
+    position = position < config->low_q48 ? config->low_q48 : position;
+    position = position > config->high_q48 ? config->high_q48 : position;
+    // Both differences to 2^-24 of a turn less: the product with a pulse in ns fits 64 bits.
+    const int64_t part = (position - config->low_q48) >> 24,
+                  whole = (config->high_q48 - config->low_q48) >> 24;
+    const int64_t rise = (int64_t)config->high_pulse_ns - (int64_t)config->low_pulse_ns;
+    const int64_t pulse = (int64_t)config->low_pulse_ns + rise * part / whole;
+    return (uint32_t)pulse;
+}
+
+// ---------------------------------------------------------------- either
+
+void drive_tick(struct drive *drive, uint32_t tick, bool powered, int64_t setpoint_q48,
+                struct drive_output *output) {
+    *output = (struct drive_output){0};
+    if (drive->config->kind == DRIVE_RMD) {
+        tick_rmd(drive, tick, powered, setpoint_q48, output);
+    } else if (drive->config->kind == DRIVE_PWM) {
+        output->pulse_set = true;
+        output->pulse_ns = powered ? pulse_for(&drive->config->pwm, setpoint_q48) : 0U;
+        drive->position_q48 = setpoint_q48; // what it was told; nobody knows where it is
+    }
+}
+
+enum drive_fault drive_check(const struct drive *drive, uint64_t now_us, uint32_t silence_us) {
+    if (!drive_has_feedback(drive)) {
+        return DRIVE_HEALTHY;
+    }
+    if (now_us - drive->heard_us > silence_us) {
+        return DRIVE_FAULT_SILENT;
+    }
+    return drive->error_bits != 0U ? DRIVE_FAULT_REPORTED : DRIVE_HEALTHY;
+}

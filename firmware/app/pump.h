@@ -1,0 +1,62 @@
+/// The pump between hardware and controller: one call reads the devices, runs a tick, writes the
+/// devices.
+///
+/// Board, Linux program and simulator run this same code with different HALs behind it.
+#ifndef APP_PUMP_H
+#define APP_PUMP_H
+
+#include "control/controller.h"
+#include "fixed/must_check.h"
+#include "hal/can.h"
+#include "hal/clock.h"
+#include "hal/pwm.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// Version and commit of this build.
+extern const char build_id[];
+
+/// Devices that a rig lacks are NULL.
+struct pump_devices {
+    const struct hal_clock *clock;
+    const struct hal_can *can;
+    const struct hal_pwm *pwm;
+};
+
+/// Counted since the start; none stops the pump.
+struct pump_errors {
+    uint32_t can_send_failed, can_receive_failed, can_restarts, pwm_failed;
+    uint32_t updates_dropped; ///< more came between two ticks than PUMP_UPDATES_MAX
+};
+
+#define PUMP_UPDATES_MAX                                                                           \
+    128U ///< two ticks' worth; a source that gets `false` keeps the rest for the next tick
+
+struct pump {
+    struct pump_devices devices;
+    struct controller *controller;
+    uint32_t update_first, update_count;
+    struct target_update update[PUMP_UPDATES_MAX]; ///< waiting for a tick, a ring
+    uint32_t commands;
+    uint32_t pulse_ns[AXIS_COUNT];   ///< as last written
+    struct controller_input input;   ///< of the last tick, for a recorder
+    struct controller_output output; ///< of the last tick
+    struct pump_errors errors;
+};
+
+/// Returns false if a device that the controller's drives need is missing.
+bool pump_init(struct pump *pump, struct controller *controller,
+               const struct pump_devices *devices) MUST_CHECK;
+
+/// Queues a target update for the next tick; later ones wait for the ticks after it, in order.
+/// Returns false, and counts it, if the queue is full.
+bool pump_push(struct pump *pump, const struct target_update *update) MUST_CHECK;
+
+/// Gives commands to the next tick. Several before one tick are or-ed.
+void pump_command(struct pump *pump, uint32_t commands);
+
+/// One tick. Call it once per config->tick_us. Never blocks.
+void pump_step(struct pump *pump);
+
+#endif

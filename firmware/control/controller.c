@@ -1,0 +1,285 @@
+#include "control/controller.h"
+
+#include "control/private.h"
+
+/// Ticks later than this many periods count as late; so many in a row are a fault.
+#define LATE_PERIODS   4U
+#define LATE_TICKS_MAX 20U
+
+static bool axis_exists(const struct controller *c, unsigned axis) {
+    return c->config->axis[axis].drive.kind != DRIVE_NONE;
+}
+
+static bool axis_config_valid(const struct controller_axis_config *axis) {
+    const struct limiter_config *limits = &axis->limits;
+    const int64_t reach = 16 * AXIS_TURN_Q48; // what the limiter's sum holds
+    return limits->min_q48 <= limits->max_q48 && limits->min_q48 >= -reach &&
+           limits->max_q48 <= reach && limits->speed_max_q48 >= 1 &&
+           limits->speed_max_q48 <= AXIS_TURN_Q48 && limits->accel_max_q48 >= 1 &&
+           limits->accel_max_q48 <= AXIS_TURN_Q48 && limits->smooth_ticks >= 1U &&
+           limits->smooth_ticks <= LIMITER_SMOOTH_TICKS_MAX && axis->home_q48 >= limits->min_q48 &&
+           axis->home_q48 <= limits->max_q48 && drive_config_valid(&axis->drive);
+}
+
+static bool config_valid(const struct controller_config *config) {
+    const bool zoom = config->axis[AXIS_ZOOM].drive.kind != DRIVE_NONE;
+    return config->tick_us >= 100U && config->tick_us <= 20000U &&
+           axis_config_valid(&config->axis[AXIS_PAN]) &&
+           axis_config_valid(&config->axis[AXIS_TILT]) &&
+           (!zoom || (axis_config_valid(&config->axis[AXIS_ZOOM]) && lens_valid(&config->lens))) &&
+           config->tracker.memory_q16 < 65536U;
+}
+
+bool controller_init(struct controller *c, const struct controller_config *config) {
+    c->config = config;
+    c->started = false;
+    c->arm_wanted = config->arm_on_start;
+    c->time_us = c->settled_us = 0;
+    c->last_now_us = c->tick = c->late_ticks = 0;
+    c->updates_rejected = c->frames_ignored = c->aims_solved = 0;
+    c->faults = 0;
+    c->fault_axis = 0;
+    mount_init(&c->mount, config->attitude);
+    target_set_init(&c->targets, config->position_um, config->target_expiry_us);
+    c->framing = (struct framing){.status = FRAMING_EMPTY};
+    c->framed_version = c->targets.version;
+    c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
+    c->zoom_focal_um = 0;
+    c->zoom_joints = (struct mount_joints){0};
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct controller_axis_config *settings = &config->axis[axis];
+        drive_init(&c->drive[axis], &settings->drive, 0);
+        limiter_reset(&c->limiter[axis], &settings->limits, settings->home_q48);
+        c->goal_q48[axis] = c->setpoint_q48[axis] = settings->home_q48;
+        c->goal_rate_q48[axis] = 0;
+        c->powered[axis] = c->ever_powered[axis] = false;
+        c->following_since_us[axis] = 0;
+    }
+    tracker_reset(&c->tracker[AXIS_PAN]);
+    tracker_reset(&c->tracker[AXIS_TILT]);
+    const bool valid = config_valid(config);
+    c->mode = valid ? MODE_STARTING : MODE_FAULTED;
+    c->faults = valid ? 0U : FAULT_CONFIG;
+    return valid;
+}
+
+// ---------------------------------------------------------------- inputs
+
+static void advance_time(struct controller *c, uint32_t now_us) {
+    if (!c->started) {
+        c->started = true;
+    } else {
+        const uint32_t elapsed = now_us - c->last_now_us;
+        if (elapsed >= UINT32_C(0x80000000)) { // a clock that runs backwards: time stands still
+            return;
+        }
+        c->time_us += elapsed;
+        c->late_ticks = elapsed > LATE_PERIODS * c->config->tick_us ? c->late_ticks + 1U : 0U;
+    }
+    c->last_now_us = now_us;
+    c->tick++;
+}
+
+static void take_frames(struct controller *c, const struct controller_input *input) {
+    const uint32_t count = input->frame_count < CONTROLLER_FRAMES_IN_MAX ? input->frame_count
+                                                                         : CONTROLLER_FRAMES_IN_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        bool taken = false;
+        for (unsigned axis = 0; axis < AXIS_COUNT && !taken; axis++) {
+            taken = axis_exists(c, axis) &&
+                    drive_receive(&c->drive[axis], &input->frame[i], c->time_us);
+        }
+        c->frames_ignored += !taken;
+    }
+}
+
+static void take_updates(struct controller *c, const struct controller_input *input) {
+    const uint32_t count =
+        input->update_count < CONTROLLER_UPDATES_MAX ? input->update_count : CONTROLLER_UPDATES_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        c->updates_rejected +=
+            target_set_apply(&c->targets, &input->update[i], c->time_us) != TARGET_OK;
+    }
+    (void)target_set_expire(&c->targets, c->time_us);
+}
+
+// ---------------------------------------------------------------- faults
+
+static bool is_powered_mode(const struct controller *c) {
+    return c->powered[AXIS_PAN] || c->powered[AXIS_TILT] || c->powered[AXIS_ZOOM];
+}
+
+static void raise_fault(struct controller *c, enum controller_fault fault, unsigned axis) {
+    c->faults |= (uint32_t)fault;
+    c->fault_axis = (uint8_t)axis;
+    c->mode = MODE_FAULTED;
+    c->arm_wanted = false;
+}
+
+/// Is the axis near its setpoint, or has been until a moment ago?
+static bool follows(struct controller *c, unsigned axis) {
+    const struct drive *drive = &c->drive[axis];
+    const int64_t apart = drive->position_q48 - c->setpoint_q48[axis];
+    if (!drive_has_feedback(drive) || !drive->position_known ||
+        (apart <= c->config->follow_error_q48 && apart >= -c->config->follow_error_q48)) {
+        c->following_since_us[axis] = c->time_us;
+    }
+    return c->time_us - c->following_since_us[axis] <= c->config->follow_error_us;
+}
+
+/// Faults of a powered axis. What a dead drive would do with a stale setpoint when it comes back is
+/// unknown, so it gets none until it is armed again; an axis that does not follow holds where it
+/// is.
+static void check_powered_axis(struct controller *c, unsigned axis) {
+    struct drive *drive = &c->drive[axis];
+    switch (drive_check(drive, c->time_us, c->config->silence_us)) {
+    case DRIVE_FAULT_SILENT:
+        raise_fault(c, FAULT_DRIVE_SILENT, axis);
+        c->powered[axis] = false;
+        drive_forget(drive);
+        return;
+    case DRIVE_FAULT_REPORTED:
+        raise_fault(c, FAULT_DRIVE_ERROR, axis);
+        c->powered[axis] = false;
+        return;
+    default:
+        break;
+    }
+    if (!follows(c, axis)) {
+        raise_fault(c, FAULT_FOLLOWING, axis);
+        limiter_reset(&c->limiter[axis], &c->config->axis[axis].limits, drive->position_q48);
+        c->following_since_us[axis] = c->time_us;
+    }
+}
+
+/// Before arming, causes come and go and are only shown; a drive that falls silent is asked anew.
+static void check_idle_axis(struct controller *c, unsigned axis) {
+    struct drive *drive = &c->drive[axis];
+    const enum drive_fault fault = drive_check(drive, c->time_us, c->config->silence_us);
+    if (fault == DRIVE_FAULT_SILENT) {
+        c->faults |= FAULT_DRIVE_SILENT;
+        drive_forget(drive);
+    } else if (fault == DRIVE_FAULT_REPORTED) {
+        c->faults |= FAULT_DRIVE_ERROR;
+    }
+    c->fault_axis = fault != DRIVE_HEALTHY ? (uint8_t)axis : c->fault_axis;
+}
+
+static void check_faults(struct controller *c) {
+    const bool idle = c->mode == MODE_STARTING || c->mode == MODE_READY;
+    if (idle) {
+        c->faults = 0;
+    }
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (axis_exists(c, axis) && c->powered[axis]) {
+            check_powered_axis(c, axis);
+        } else if (axis_exists(c, axis) && idle) {
+            check_idle_axis(c, axis);
+        }
+    }
+    if (c->late_ticks >= LATE_TICKS_MAX && is_powered_mode(c)) {
+        raise_fault(c, FAULT_OVERRUN, 0);
+    }
+}
+
+// ---------------------------------------------------------------- modes
+
+static bool drives_ready(const struct controller *c) {
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (axis_exists(c, axis) &&
+            (!c->drive[axis].ready ||
+             drive_check(&c->drive[axis], c->time_us, c->config->silence_us) != DRIVE_HEALTHY)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool all_at_rest(const struct controller *c) {
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (c->powered[axis] && !limiter_at_rest(&c->limiter[axis])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Powers every axis from where it is: as measured, or as last told, or (never told anything) at
+/// home.
+static void arm(struct controller *c) {
+    c->settled_us = c->time_us;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (!axis_exists(c, axis)) {
+            continue;
+        }
+        if (drive_has_feedback(&c->drive[axis])) {
+            c->setpoint_q48[axis] = c->drive[axis].position_q48;
+        } else if (!c->ever_powered[axis]) {
+            c->settled_us = c->time_us + c->config->settle_us;
+        }
+        limiter_reset(&c->limiter[axis], &c->config->axis[axis].limits, c->setpoint_q48[axis]);
+        c->powered[axis] = c->ever_powered[axis] = true;
+        c->following_since_us[axis] = c->time_us;
+    }
+    tracker_reset(&c->tracker[AXIS_PAN]);
+    tracker_reset(&c->tracker[AXIS_TILT]);
+    c->framed_version = c->targets.version - 1U; // aim anew
+    c->faults = 0;
+    c->arm_wanted = false;
+    c->mode = MODE_SETTLING;
+}
+
+static void take_commands(struct controller *c, uint32_t commands) {
+    const bool stands = c->mode == MODE_READY || c->mode == MODE_STARTING ||
+                        c->mode == MODE_STOPPED || c->mode == MODE_FAULTED;
+    if ((commands & COMMAND_STOP) != 0U) {
+        c->arm_wanted = false;
+        if (!stands) {
+            c->mode = MODE_STOPPED;
+        }
+    } else if ((commands & COMMAND_ARM) != 0U && stands) {
+        c->arm_wanted = true;
+    }
+}
+
+static void change_mode(struct controller *c) {
+    if ((c->faults & FAULT_CONFIG) != 0U) {
+        c->arm_wanted = false;
+        return;
+    }
+    if (c->mode == MODE_STARTING || c->mode == MODE_READY) {
+        c->mode = drives_ready(c) ? MODE_READY : MODE_STARTING;
+    }
+    const bool can_arm =
+        c->mode == MODE_READY || c->mode == MODE_STOPPED || c->mode == MODE_FAULTED;
+    if (c->arm_wanted && can_arm && all_at_rest(c)) {
+        if (drives_ready(c)) {
+            arm(c);
+        } else if (c->mode == MODE_FAULTED) {
+            c->arm_wanted = false; // refused: the cause is still there
+        }
+    }
+    if (c->mode == MODE_SETTLING && c->time_us >= c->settled_us) {
+        c->mode = MODE_HOLDING;
+    }
+    if (c->mode == MODE_TRACKING && c->framing.status != FRAMING_OK) {
+        c->mode = MODE_HOLDING;
+    } else if (c->mode == MODE_HOLDING && c->framing.status == FRAMING_OK) {
+        c->mode = MODE_TRACKING;
+    }
+}
+
+// ---------------------------------------------------------------- the step
+
+void controller_step(struct controller *c, const struct controller_input *input,
+                     struct controller_output *output) {
+    advance_time(c, input->now_us);
+    take_frames(c, input);
+    take_updates(c, input);
+    check_faults(c);
+    take_commands(c, input->commands);
+    controller_aim(c);
+    change_mode(c);
+    controller_move(c);
+    controller_report(c, output);
+}

@@ -1,0 +1,164 @@
+/// The controller: targets and feedback in, setpoints and status out, one tick at a time.
+///
+/// It does no I/O: a tick's input is a set of values (the time, received frames, target updates,
+/// commands) and so is its output (frames, pulse widths, status). Board, Linux and simulator run it
+/// alike (app/pump.h), and the same inputs give the same outputs, bit for bit, everywhere.
+///
+///   STARTING --drives answer--> READY --arm--> SETTLING --> TRACKING <--> HOLDING
+///                                 ^                             |  stop        |
+///                                 +-------- arm ---- STOPPED <--+--------------+
+///   any fault: FAULTED: decelerate, hold, stay there until an arm command finds the cause gone.
+#ifndef CONTROL_CONTROLLER_H
+#define CONTROL_CONTROLLER_H
+
+#include "aim/framing.h"
+#include "drive/drive.h"
+#include "fixed/must_check.h"
+#include "motion/axis.h"
+#include "motion/lens.h"
+#include "motion/limiter.h"
+#include "motion/mount.h"
+#include "motion/tracker.h"
+#include "target/target_set.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum controller_axis { AXIS_PAN, AXIS_TILT, AXIS_ZOOM, AXIS_COUNT };
+
+// ---------------------------------------------------------------- settings
+
+struct controller_axis_config {
+    struct limiter_config limits;
+    struct drive_config drive; ///< DRIVE_NONE: the axis does not exist (zoom only)
+    int64_t home_q48; ///< where an axis without feedback is taken to be when it is first powered
+};
+
+struct controller_config {
+    uint32_t tick_us; ///< nominal, 100 to 20,000
+    struct vec3_i64 position_um;
+    struct mount_attitude attitude;
+    struct controller_axis_config axis[AXIS_COUNT];
+    struct lens_config lens; ///< of the zoom axis
+    uint64_t target_expiry_us;
+    struct tracker_config tracker; ///< of pan and tilt
+    uint32_t silence_us;           ///< a drive is silent after this long
+    uint32_t settle_us;       ///< after arming, how long axes without feedback get to reach home
+    int64_t follow_error_q48; ///< a measured position farther than this from the setpoint ...
+    uint32_t follow_error_us; ///< ... for this long is a fault
+    bool arm_on_start;
+};
+
+// ---------------------------------------------------------------- one tick
+
+enum controller_command {
+    COMMAND_ARM = 1,  ///< leave READY, STOPPED or FAULTED
+    COMMAND_STOP = 2, ///< decelerate and hold until armed again; wins over COMMAND_ARM
+};
+
+#define CONTROLLER_FRAMES_IN_MAX  16U ///< a 1 Mbit/s bus carries 9 a millisecond
+#define CONTROLLER_FRAMES_OUT_MAX 4U
+#define CONTROLLER_UPDATES_MAX    64U
+
+struct controller_input {
+    uint32_t now_us;   ///< wraps
+    uint32_t commands; ///< enum controller_command, or-ed
+    uint32_t frame_count, update_count;
+    struct can_frame frame[CONTROLLER_FRAMES_IN_MAX];
+    struct target_update
+        update[CONTROLLER_UPDATES_MAX]; ///< applied in order, all before the aim is solved
+};
+
+enum controller_mode {
+    MODE_STARTING, ///< waiting for the drives; nothing is commanded
+    MODE_READY,    ///< homed, not armed; nothing is commanded
+    MODE_SETTLING, ///< armed; axes without feedback go home
+    MODE_TRACKING, ///< armed, following the aim
+    MODE_HOLDING,  ///< armed, nothing to aim at: decelerate and hold
+    MODE_STOPPED,  ///< stopped by command: decelerate and hold
+    MODE_FAULTED   ///< stopped by a fault: decelerate and hold
+};
+
+/// Why it stopped; or-ed, latched until re-armed.
+enum controller_fault {
+    FAULT_CONFIG = 1,       ///< the settings are not valid: never arms
+    FAULT_DRIVE_SILENT = 2, ///< a drive does not answer
+    FAULT_DRIVE_ERROR = 4,  ///< a drive reports an error
+    FAULT_FOLLOWING = 8,    ///< an axis does not follow its setpoint
+    FAULT_OVERRUN = 16      ///< ticks came late again and again
+};
+
+struct controller_axis_status {
+    int64_t setpoint_q48; ///< what the limiter put out
+    int64_t goal_q48;     ///< where the aim wants it
+    int64_t measured_q48;
+    bool measured_known;
+};
+
+struct controller_status {
+    uint64_t time_us; ///< since the first tick
+    enum controller_mode mode;
+    uint32_t faults;    ///< enum controller_fault
+    uint8_t fault_axis; ///< which axis raised the last fault
+    struct controller_axis_status axis[AXIS_COUNT];
+    struct framing framing; ///< of the targets now
+    uint32_t focal_um;      ///< of the setpoint; 0 without zoom
+    uint32_t target_count;
+    uint32_t updates_rejected, frames_ignored; ///< counted since the start
+    uint32_t aims_solved;
+};
+
+struct controller_output {
+    uint32_t frame_count;
+    struct can_frame frame[CONTROLLER_FRAMES_OUT_MAX];
+    bool pulse_set[AXIS_COUNT]; ///< PWM axes
+    uint32_t pulse_channel[AXIS_COUNT];
+    uint32_t pulse_ns[AXIS_COUNT]; ///< 0: no pulses
+    struct controller_status status;
+};
+
+// ---------------------------------------------------------------- the controller
+
+/// About 30 KiB (make size); no pointers but to its configuration, so it can be copied.
+struct controller {
+    const struct controller_config *config;
+    struct mount mount;
+    struct target_set targets;
+    struct framing_workspace framing_workspace;
+    struct framing framing;
+    uint32_t framed_version; ///< of the target set that framing was solved for
+    struct limiter limiter[AXIS_COUNT];
+    struct drive drive[AXIS_COUNT];
+    struct tracker tracker[2]; ///< pan, tilt
+    int64_t goal_q48[AXIS_COUNT], goal_rate_q48[AXIS_COUNT];
+    int64_t setpoint_q48[AXIS_COUNT];
+    bool powered[AXIS_COUNT]; ///< setpoints go out
+    bool ever_powered[AXIS_COUNT];
+    uint64_t following_since_us[AXIS_COUNT]; ///< last time the axis was near its setpoint
+    uint64_t time_us, settled_us;
+    uint32_t last_now_us, tick, late_ticks;
+    bool started, arm_wanted;
+    enum controller_mode mode;
+    uint32_t faults;
+    uint8_t fault_axis;
+    uint32_t zoom_focal_um; ///< of the zoom goal, and what it was worked out for:
+    struct mount_joints zoom_joints;
+    uint32_t zoom_version;
+    uint32_t updates_rejected, frames_ignored, aims_solved;
+};
+
+/// Starts a controller. config must outlive it.
+/// Returns: false if the settings are not usable: the controller then stays in MODE_FAULTED with
+/// FAULT_CONFIG.
+bool controller_init(struct controller *controller, const struct controller_config *config);
+
+/// One tick. Bounded work, no I/O. Inputs beyond the maxima are cut off by their counts (the pump
+/// keeps the rest). Shown: tests/unit/test_controller.c and every scenario.
+void controller_step(struct controller *controller, const struct controller_input *input,
+                     struct controller_output *output);
+
+/// Words for a mode and for the lowest fault bit: "tracking", "a drive does not answer".
+const char *controller_mode_name(enum controller_mode mode);
+const char *controller_fault_name(uint32_t faults);
+
+#endif
