@@ -29,7 +29,7 @@ test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/contract/*.c tests/property/*.c tests/scenario/*.c)
-test_scripts := $(wildcard tests/cli/*.sh tests/gate/*.sh)
+test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c)
 formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.h hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
     boards/*/*.[ch] tests/*.h tests/*/*.h tests/*/*/*.h))
@@ -121,6 +121,16 @@ include tests/tests.mk
 
 # ---------------------------------------------------------------- targets
 .PHONY: all help demo check lint format size install uninstall clean
+lint: ## Check layers, layout and lengths
+	sh tests/gate/layers.sh
+	sh tests/gate/style.sh
+
+format: ## Lay out every C file
+	clang-format -i $(formatted)
+
+size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
+	tests/gate/check/size-table.sh
+
 all: $(B)/boresight ## Build the program (build/boresight)
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@

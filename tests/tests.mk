@@ -14,6 +14,8 @@ need-check:
 need-demo:
 	@.ci/need demo
 
+$(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
+
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE
 	@tests/run.sh $@ sh $<

@@ -1,0 +1,24 @@
+#!/bin/sh
+# Layout and length of every C file, and violations planted to see that the gate catches them.
+. tests/gate/verdict.sh
+files=$(git ls-files --cached --others --exclude-standard '*.c' '*.h')
+# The exit status of clang-format 14 tells; what is off is shown by its first lines.
+clang-format --dry-run -Werror $files 2>&1 | head -n 20
+clang-format --dry-run -Werror $files 2>/dev/null
+verdict 'layout (make format mends it)' $?
+awk -f tests/gate/check/lengths.awk $files
+verdict 'length of files, functions and lines' $?
+
+dir=$(mktemp -d)
+cp .clang-format "$dir"
+printf 'int   f( void );\n' >"$dir/x.c"
+(cd "$dir" && clang-format --dry-run -Werror x.c 2>/dev/null)
+caught 'a wrong layout' $?
+{ echo 'static void f(void) {'; seq -f '    g(%g);' 60; echo '}'; } >"$dir/x.c"
+awk -f tests/gate/check/lengths.awk "$dir/x.c" >/dev/null
+caught 'a long function' $?
+seq 501 >"$dir/x.c"
+awk -f tests/gate/check/lengths.awk "$dir/x.c" >/dev/null
+caught 'a long file' $?
+rm -r "$dir"
+exit $status
