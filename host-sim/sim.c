@@ -1,0 +1,205 @@
+#include "sim.h"
+
+#include "sim_private.h"
+#include "world/trace_hash.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// A number of its own for each random thing, so that one more device does not shift the others.
+static uint64_t derive_seed(uint64_t seed, uint64_t purpose) {
+    return trace_hash_u64(trace_hash_u64(TRACE_HASH_START, seed), purpose);
+}
+
+static void observe_frame(void *context, const struct can_transfer *transfer) {
+    struct sim *sim = context;
+    uint64_t data;
+    memcpy(&data, transfer->frame.data, sizeof data);
+    sim->hash = trace_hash_u64(sim->hash, transfer->end_ns);
+    sim->hash = trace_hash_u64(
+        sim->hash, ((uint64_t)transfer->frame.id << 32) | ((uint64_t)transfer->frame.flags << 16) |
+                       ((uint64_t)transfer->frame.length << 8) | (uint64_t)transfer->fate);
+    sim->hash = trace_hash_u64(sim->hash, data);
+    sim_check_frame(sim, transfer);
+}
+
+/// Wires an actuator up as the rig file describes it, with physics of its own.
+static bool build_axis(struct sim *sim, unsigned axis) {
+    const struct drive_config *settings = &sim->config.controller->axis[axis].drive;
+    struct sim_axis *built = &sim->axis[axis];
+    const double start_deg = sim->config.start_deg[axis];
+    built->kind = settings->kind;
+    if (settings->kind == DRIVE_RMD) {
+        const struct drive_rmd_config *rmd = &settings->rmd;
+        const struct axis_plant_config plant =
+            axis == AXIS_PAN ? axis_plant_pan() : axis_plant_tilt();
+        struct rmd_drive_config drive = rmd_drive_defaults(rmd->id);
+        drive.lktech = rmd->reply_offset == 0U;
+        drive.zero_cdeg = (int32_t)drive_cdeg_from_q48(rmd->zero_q48);
+        const double motor_deg = rmd->reversed ? -start_deg : start_deg;
+        axis_plant_init(&built->plant, &plant, motor_deg * AXIS_PLANT_PI / 180.0);
+        return rmd_drive_init(&built->drive, &drive, &built->plant, &sim->bus,
+                              derive_seed(sim->config.seed, 10U + axis));
+    }
+    const struct pwm_servo_config servo = pwm_servo_defaults();
+    pwm_servo_init(&built->servo, &servo, start_deg, 0, derive_seed(sim->config.seed, 20U + axis));
+    return true;
+}
+
+struct sim *sim_create(const struct sim_config *config) {
+    struct sim *sim = calloc(1, sizeof *sim);
+    if (sim == NULL) {
+        return NULL;
+    }
+    sim->config = *config;
+    sim->random = derive_seed(config->seed, 1) | 1U;
+    sim->hash = TRACE_HASH_START;
+    can_bus_init(&sim->bus, 1000000, derive_seed(config->seed, 2));
+    can_bus_set_loss(&sim->bus, config->can_loss);
+    sim->bus.observer = observe_frame;
+    sim->bus.observer_context = sim;
+    const struct zoom_lens_config lens = zoom_lens_defaults();
+    zoom_lens_init(&sim->lens, &lens, 0, derive_seed(config->seed, 3));
+    // Two memories with different garbage: what a controller reads before it writes shows up as a
+    // difference.
+    memset(&sim->controller, 0x00, sizeof sim->controller);
+    memset(&sim->shadow, 0xA5, sizeof sim->shadow);
+    (void)controller_init(&sim->controller, config->controller);
+    (void)controller_init(&sim->shadow, config->controller);
+    const struct pump_devices devices = {&sim->clock, &sim->can, &sim->pwm};
+    const bool built =
+        can_bus_attach(&sim->bus, &sim->node, can_rx_queue_receive, &sim->received) &&
+        build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT) && sim_hal_bind(sim) &&
+        pump_init(&sim->pump, &sim->controller, &devices);
+    sim_check_init(sim);
+    sim_measure_init(sim);
+    if (!built) {
+        sim_destroy(sim);
+        return NULL;
+    }
+    return sim;
+}
+
+void sim_destroy(struct sim *sim) {
+    if (sim != NULL) {
+        free(sim->measure.errors_deg);
+        free(sim);
+    }
+}
+
+// ---------------------------------------------------------------- the world, for a tick
+
+/// Gaussian, near enough for a measurement error: the sum of twelve uniform numbers.
+static double noise(struct sim *sim) {
+    double sum = -6.0;
+    for (int i = 0; i < 12; i++) {
+        sim->random ^= sim->random >> 12;
+        sim->random ^= sim->random << 25;
+        sim->random ^= sim->random >> 27;
+        sum += (double)((sim->random * UINT64_C(0x2545F4914F6CDD1D)) >> 11) * 0x1p-53;
+    }
+    return sum;
+}
+
+static int64_t blur_um(struct sim *sim, int64_t value_um, double deviation_m) {
+    return deviation_m > 0.0 ? value_um + (int64_t)(noise(sim) * deviation_m * 1e6) : value_um;
+}
+
+static void move_targets(struct sim *sim) {
+    const struct schedule *schedule = sim->config.schedule;
+    for (size_t i = 0; i < schedule->mover_count; i++) {
+        const struct schedule_mover *mover = &schedule->movers[i];
+        const bool alive = sim->time_us >= mover->from_us &&
+                           (mover->until_us == 0U || sim->time_us < mover->until_us);
+        struct target_update update = {
+            .kind = TARGET_POSITION, .id = mover->id, .weight_q16 = TARGET_WEIGHT_ONE_Q16};
+        if (!alive) {
+            if (mover->until_us != 0U && sim->time_us == mover->until_us) {
+                update.kind = TARGET_GONE;
+                sim_measure_update(sim, &update);
+                (void)pump_push(&sim->pump, &update);
+            }
+            continue;
+        }
+        update.position_um = schedule_mover_position_um(mover, sim->time_us);
+        sim_measure_update(sim, &update);
+        if ((sim->time_us - mover->from_us) % mover->period_us == 0U) {
+            update.position_um.x = blur_um(sim, update.position_um.x, mover->noise_m);
+            update.position_um.y = blur_um(sim, update.position_um.y, mover->noise_m);
+            update.position_um.z = blur_um(sim, update.position_um.z, mover->noise_m);
+            (void)pump_push(&sim->pump, &update); // a full queue is counted by the pump
+        }
+    }
+}
+
+static void feed(struct sim *sim) {
+    const struct schedule *schedule = sim->config.schedule;
+    while (sim->next_item < schedule->item_count &&
+           schedule->items[sim->next_item].at_us <= sim->time_us &&
+           pump_push(&sim->pump, &schedule->items[sim->next_item].update)) {
+        sim_measure_update(sim, &schedule->items[sim->next_item].update);
+        sim->next_item++;
+    }
+    move_targets(sim);
+    while (sim->next_command < sim->config.command_count &&
+           sim->config.commands[sim->next_command].at_us <= sim->time_us) {
+        pump_command(&sim->pump, sim->config.commands[sim->next_command++].commands);
+    }
+}
+
+/// Gives each servo the pulses of its channel.
+static void drive_servos(struct sim *sim) {
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct drive_config *drive = &sim->config.controller->axis[axis].drive;
+        if (drive->kind != DRIVE_PWM) {
+            continue;
+        }
+        const uint32_t pulse_ns = sim->pulse_ns[drive->pwm.channel % AXIS_COUNT];
+        pwm_servo_set_pulse(axis == AXIS_ZOOM ? &sim->lens.servo : &sim->axis[axis].servo,
+                            pulse_ns);
+    }
+}
+
+static void run_plant(struct sim *sim, uint64_t until_ns) {
+    can_bus_run_until(&sim->bus, until_ns);
+    for (unsigned axis = 0; axis < 2U; axis++) {
+        if (sim->axis[axis].kind == DRIVE_RMD) {
+            rmd_drive_advance(&sim->axis[axis].drive, until_ns);
+            sim->hash = rmd_drive_hash(&sim->axis[axis].drive, sim->hash);
+            sim->hash = axis_plant_hash(&sim->axis[axis].plant, sim->hash);
+        } else {
+            pwm_servo_advance(&sim->axis[axis].servo, until_ns);
+            sim->hash = pwm_servo_hash(&sim->axis[axis].servo, sim->hash);
+        }
+    }
+    pwm_servo_advance(&sim->lens.servo, until_ns);
+    sim->hash = pwm_servo_hash(&sim->lens.servo, sim->hash);
+}
+
+void sim_step(struct sim *sim) {
+    feed(sim);
+    pump_step(&sim->pump);
+    controller_step(&sim->shadow, &sim->pump.input, &sim->shadow_output);
+    sim_check_step(sim);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        sim->hash = trace_hash_u64(sim->hash, sim->pulse_ns[axis]);
+    }
+    sim->hash = trace_hash_u64(sim->hash, sim->tick);
+    drive_servos(sim);
+    const uint32_t tick_us = sim->config.controller->tick_us;
+    run_plant(sim, (sim->time_us + tick_us) * 1000U);
+    if (sim->time_us % 10000U == 0U) {
+        sim_measure_step(sim);
+    }
+    sim->time_us += tick_us;
+    sim->tick++;
+}
+
+double sim_joint_deg(const struct sim *sim, unsigned axis) {
+    const struct sim_axis *built = &sim->axis[axis];
+    if (built->kind != DRIVE_RMD) {
+        return built->servo.angle_deg;
+    }
+    const double motor_deg = built->plant.angle_rad * 180.0 / AXIS_PLANT_PI;
+    return sim->config.controller->axis[axis].drive.rmd.reversed ? -motor_deg : motor_deg;
+}

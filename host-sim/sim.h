@@ -1,0 +1,160 @@
+/// The simulator: the firmware's pump and controller on a simulated gimbal, in virtual time.
+///
+/// A tick: due target updates go to the pump; the pump runs the controller; the invariants are
+/// checked; then the bus, the drives and the plant run to the next tick. The controller sees frames
+/// and sends pulses, nothing else. A second controller, in memory filled with another pattern, gets
+/// the same inputs and must give the same outputs. Deterministic by seed: every frame, pulse and
+/// plant state goes into the trace hash.
+#ifndef SIM_H
+#define SIM_H
+
+#include "app/pump.h"
+#include "devices/can_bus.h"
+#include "devices/pwm_servo.h"
+#include "devices/rmd_drive.h"
+#include "plant/axis_plant.h"
+#include "world/schedule.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// ---------------------------------------------------------------- what to simulate
+
+/// A command at a time, of a scenario's [event] sections.
+struct sim_command {
+    uint64_t at_us;
+    uint32_t commands; ///< enum controller_command
+};
+
+struct sim_config {
+    const struct controller_config *controller;
+    const struct schedule *schedule;
+    const struct sim_command *commands; ///< ascending in time
+    size_t command_count;
+    uint64_t seed;
+    uint32_t start_us;     ///< of the controller's clock: 0xFFFF0000 tests its wrap
+    double can_loss;       ///< probability that a frame is lost
+    double start_deg[2];   ///< pan and tilt at power-on
+    double fixed_focal_mm; ///< of the camera when there is no zoom axis
+};
+
+// ---------------------------------------------------------------- what it found
+
+enum sim_invariant {
+    SIM_I1_POSITION,
+    SIM_I2_RATES,
+    SIM_I4_UNARMED_MOTION,
+    SIM_I5_SAME_BITS,
+    SIM_I9_RESUME,
+    SIM_INVARIANT_COUNT
+};
+
+/// How the last check of an invariant failed, for a person.
+struct sim_violations {
+    uint64_t count[SIM_INVARIANT_COUNT];
+    uint64_t first_us; ///< time of the first of all
+    char first[160];   ///< what it was
+};
+
+/// Errors are measured while tracking, 100 times a second, from the time the aim has settled (error
+/// first below 0.1 degree) until the optimal aim jumps by more than 5 degrees.
+struct sim_summary {
+    double seconds;
+    uint32_t targets; ///< most at one time
+    uint64_t steps;
+    uint64_t trace_hash;
+    double aim_error_rms_deg, aim_error_p99_deg, aim_error_max_deg;
+    double in_frame_percent; ///< of all (target, moment) pairs while tracking
+    double settle_s;         ///< mean time from a jump of the aim (or arming) to settled
+    uint64_t settle_count;
+    double bus_load_percent;
+    struct sim_violations violations;
+    struct pump_errors errors;
+};
+
+// ---------------------------------------------------------------- inside
+
+/// The truth about one axis and its actuator.
+struct sim_axis {
+    enum drive_kind kind;
+    struct axis_plant plant; ///< RMD
+    struct rmd_drive drive;  ///< RMD
+    struct pwm_servo servo;  ///< PWM pan or tilt
+};
+
+/// What the invariants remember of an axis from tick to tick.
+struct sim_axis_check {
+    int64_t setpoint_q48, speed_q48, accel_q48;
+    bool powered;
+    uint32_t ticks; ///< since it was powered, up to 3: how many differences mean something
+};
+
+struct sim_measure {
+    struct target_set truth;
+    struct framing framing;
+    struct framing_workspace workspace;
+    uint32_t framed_version;
+    bool settled, timing;
+    uint64_t aim_changed_us;
+    double settle_sum_s;
+    uint64_t settle_count;
+    double *errors_deg;
+    size_t error_count, error_capacity;
+    uint64_t seen, looked_at; ///< (target, moment) pairs
+    uint32_t most_targets;
+};
+
+/// A moment as measured; see sim_observe.
+struct sim_view {
+    double pan_deg, tilt_deg, focal_mm;
+    double error_deg;                         ///< negative: nothing to aim at
+    bool settled;                             ///< since the last jump
+    struct vec3 right_q30, ahead_q30, up_q30; ///< of the camera, world axes
+};
+
+struct sim {
+    struct sim_config config;
+    uint64_t time_us;
+    uint64_t tick;
+    struct controller controller, shadow;
+    struct controller_output shadow_output;
+    struct pump pump;
+    struct hal_clock clock;
+    struct hal_can can;
+    struct hal_pwm pwm;
+    struct can_bus bus;
+    struct can_node node;
+    struct can_rx_queue received;
+    struct sim_axis axis[2];
+    struct zoom_lens lens;
+    uint32_t pulse_ns[AXIS_COUNT]; ///< as the PWM channels give them
+    size_t next_item, next_command;
+    bool item_waiting;
+    uint64_t random;
+    uint64_t hash;
+    struct sim_axis_check check[AXIS_COUNT];
+    struct sim_violations violations;
+    struct sim_measure measure;
+};
+
+// ---------------------------------------------------------------- use
+
+/// A simulation at time 0. NULL: out of memory, or more drives than the bus takes. config and what
+/// it points to must outlive it. An unusable controller configuration is simulated as well: it
+/// never arms.
+struct sim *sim_create(const struct sim_config *config);
+void sim_destroy(struct sim *sim);
+
+/// One tick.
+void sim_step(struct sim *sim);
+
+/// What a camera on the gimbal sees at this moment: the truth, which the controller does not know.
+struct sim_view sim_observe(const struct sim *sim);
+
+struct sim_summary sim_summarise(struct sim *sim);
+
+uint64_t sim_violation_count(const struct sim_violations *violations);
+const char *sim_invariant_name(enum sim_invariant invariant);
+
+#endif

@@ -1,0 +1,25 @@
+/// The parts of the simulator. For host-sim/sim*.c only.
+#ifndef SIM_PRIVATE_H
+#define SIM_PRIVATE_H
+
+#include "sim.h"
+
+/// The HAL of the simulator: virtual clock, a node of the bus, pulse channels.
+bool sim_hal_bind(struct sim *sim);
+
+/// True joint angle of pan or tilt.
+double sim_joint_deg(const struct sim *sim, unsigned axis);
+
+void sim_check_init(struct sim *sim);
+/// After the controller's step: I1, I2, I4, I5, I9.
+void sim_check_step(struct sim *sim);
+/// A frame on the bus that commands motion, seen by the observer: I4.
+void sim_check_frame(struct sim *sim, const struct can_transfer *transfer);
+
+void sim_measure_init(struct sim *sim);
+/// Applies an update, as it really is, to the truth.
+void sim_measure_update(struct sim *sim, const struct target_update *update);
+/// 100 times a second.
+void sim_measure_step(struct sim *sim);
+
+#endif
