@@ -117,7 +117,7 @@ static void move_targets(struct sim *sim) {
             if (mover->until_us != 0U && sim->time_us == mover->until_us) {
                 update.kind = TARGET_GONE;
                 sim_measure_update(sim, &update);
-                (void)pump_push(&sim->pump, &update);
+                (void)!pump_push(&sim->pump, &update);
             }
             continue;
         }
@@ -127,7 +127,7 @@ static void move_targets(struct sim *sim) {
             update.position_um.x = blur_um(sim, update.position_um.x, mover->noise_m);
             update.position_um.y = blur_um(sim, update.position_um.y, mover->noise_m);
             update.position_um.z = blur_um(sim, update.position_um.z, mover->noise_m);
-            (void)pump_push(&sim->pump, &update); // a full queue is counted by the pump
+            (void)!pump_push(&sim->pump, &update); // a full queue is counted by the pump
         }
     }
 }
