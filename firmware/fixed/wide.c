@@ -50,20 +50,6 @@ struct i256 i256_mul(struct i128 a, struct i128 b) {
     return negative ? i256_neg(product) : product;
 }
 
-unsigned u64_leading_zeros(uint64_t a) {
-    unsigned count = 0;
-    if (a == 0U) {
-        return 64;
-    }
-    for (unsigned step = 32; step != 0U; step >>= 1) {
-        if ((a >> (64U - step)) == 0U) {
-            count += step;
-            a <<= step;
-        }
-    }
-    return count;
-}
-
 unsigned i256_bit_length(struct i256 a) {
     const struct i256 size = i256_sign(a) < 0 ? i256_neg(a) : a;
     for (unsigned i = 4; i != 0U; i--) {

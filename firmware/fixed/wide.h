@@ -127,8 +127,11 @@ unsigned i256_bit_length(struct i256 a);
 /// a / 2^shift, rounded toward minus infinity, as 64 bits. The quotient must fit; shift 0 to 255.
 int64_t i256_shift_right_i64(struct i256 a, unsigned shift);
 
-/// Number of leading zero bits; 64 for 0.
-unsigned u64_leading_zeros(uint64_t a);
+/// Number of leading zero bits; 64 for 0. The compiler's own: an instruction, or a table on a
+/// Cortex-M0+.
+static inline unsigned u64_leading_zeros(uint64_t a) {
+    return a == 0U ? 64U : (unsigned)__builtin_clzll(a);
+}
 
 /// (hi * 2^64 + lo) / divisor, rounded down; *remainder gets the rest.
 /// hi < divisor, so that the quotient fits. Cost: four 64-bit divisions by 32-bit numbers.

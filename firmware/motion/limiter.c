@@ -21,6 +21,9 @@ void limiter_reset(struct limiter *limiter, const struct limiter_config *config,
 }
 
 int64_t limiter_brake_speed(int64_t distance_q48, int64_t accel_q48) {
+    if (distance_q48 < accel_q48) {
+        return distance_q48; // there in one tick; the usual case at rest
+    }
     // Braking from v takes q + 1 ticks and the distance (q + 1) v - accel q (q + 1) / 2, where q is
     // the largest number of whole steps with accel q (q + 1) / 2 <= distance.
     const uint64_t ratio = (uint64_t)distance_q48 / (uint64_t)accel_q48;
@@ -39,6 +42,9 @@ static int64_t approach_speed(int64_t distance_q48, int64_t accel_q48) {
 /// left.
 static int64_t keep_inside(const struct limiter *limiter, int64_t speed_q48) {
     const struct limiter_config *config = limiter->config;
+    if (speed_q48 == 0) {
+        return 0;
+    }
     if (speed_q48 > 0) {
         const int64_t room = config->max_q48 - limiter->position_q48;
         const int64_t most = room > 0 ? limiter_brake_speed(room, config->accel_max_q48) : 0;
