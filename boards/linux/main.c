@@ -1,8 +1,123 @@
+/// The program `boresight`: finds the command and runs it. docs/cli.md is the user's manual.
+#include "command.h"
+#include "message.h"
+
+#include <errno.h>
+#include <float.h>
 #include <stdio.h>
+#include <string.h>
 
 extern const char build_id[];
 
-int main(void) {
+static const struct command *find_command(const char *name) {
+    for (size_t i = 0; i < command_count; i++) {
+        if (strcmp(commands[i]->name, name) == 0) {
+            return commands[i];
+        }
+    }
+    return NULL;
+}
+
+static void print_help(void) {
+    printf("boresight aims a pan-tilt camera at a set of points.\n\n"
+           "usage: boresight COMMAND [OPTION...] [FILE]\n\n"
+           "commands:\n");
+    for (size_t i = 0; i < command_count; i++) {
+        printf("  %-22s %s\n", commands[i]->name, commands[i]->summary);
+    }
+    printf("  %-22s %s\n", "help [COMMAND]", "explain the program or a command");
+    printf("  %-22s %s\n\n", "--version", "print the version, the commit and how it was built");
+    printf("exit status: 0 done; 1 internal failure; 2 usage or bad input; 3 infeasible;\n"
+           "  4 a device is missing or failed; 5 a safety stop ended the run.\n");
+}
+
+static void print_command_help(const struct command *command) {
+    printf("usage: boresight %s [OPTION...] %s\n\n%s\noptions:\n", command->name, command->operands,
+           command->help);
+    options_print(command->options, command->option_count);
+    printf("  %-22s %s\n", "--help", "print this help");
+}
+
+static enum exit_status help(int argc, char *const *argv) {
+    if (argc == 0) {
+        print_help();
+        return EXIT_STATUS_OK;
+    }
+    const struct command *const command = find_command(argv[0]);
+    if (command == NULL) {
+        message_command("help", "no command %s; 'boresight help' lists them",
+                        message_quoted(argv[0], strlen(argv[0])).text);
+        return EXIT_STATUS_USAGE;
+    }
+    print_command_help(command);
+    return EXIT_STATUS_OK;
+}
+
+static void print_version(void) {
     printf("boresight %s\n", build_id);
-    return 0;
+#if defined(__clang__)
+    printf("compiler           clang %d.%d.%d\n", __clang_major__, __clang_minor__,
+           __clang_patchlevel__);
+#else
+    printf("compiler           gcc %d.%d.%d\n", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
+#ifdef __OPTIMIZE__
+    printf("optimised          yes\n");
+#else
+    printf("optimised          no\n");
+#endif
+    printf("pointer_bits       %zu\n", 8 * sizeof(void *));
+    printf("long_double_bits   %d\n", LDBL_MANT_DIG);
+    printf("commands          ");
+    for (size_t i = 0; i < command_count; i++) {
+        printf(" %s", commands[i]->name);
+    }
+    printf("\n");
+}
+
+/// Whether one of the arguments asks for the command's help.
+static bool asks_for_help(int argc, char *const *argv) {
+    for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum exit_status run(int argc, char *const *argv) {
+    if (argc < 2) {
+        message_command(NULL, "which command? 'boresight help' lists them");
+        return EXIT_STATUS_USAGE;
+    }
+    const char *const word = argv[1];
+    if (strcmp(word, "--version") == 0) {
+        print_version();
+        return EXIT_STATUS_OK;
+    }
+    if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+        return help(argc - 2, argv + 2);
+    }
+    const struct command *const command = find_command(word);
+    if (command == NULL) {
+        message_command(NULL, "no %s %s; see 'boresight help'",
+                        word[0] == '-' ? "option" : "command",
+                        message_quoted(word, strlen(word)).text);
+        return EXIT_STATUS_USAGE;
+    }
+    if (asks_for_help(argc - 2, argv + 2)) {
+        print_command_help(command);
+        return EXIT_STATUS_OK;
+    }
+    return command->run(command, argc - 2, argv + 2);
+}
+
+int main(int argc, char **argv) {
+    const enum exit_status status = run(argc, argv);
+    // Results that did not arrive (a full disk) must not look like success.
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        message_command(NULL, "can't write the results: %s", strerror(errno));
+        return EXIT_STATUS_FAILURE;
+    }
+    return (int)status;
 }

@@ -1,0 +1,56 @@
+/// The options of every command that reads points.
+#ifndef LINUX_POINT_OPTIONS_H
+#define LINUX_POINT_OPTIONS_H
+
+#include "options.h"
+#include "points.h"
+
+struct point_options {
+    int input; ///< enum points_input
+    bool named;
+    struct triple viewpoint;
+};
+
+extern const char *const point_inputs[];
+
+/// Their entries in a command's table; member is the struct point_options in its settings.
+#define POINT_OPTIONS(settings_type, member)                                                       \
+    {"--input",                                                                                    \
+     "xyz|q30|radec",                                                                              \
+     "what a line holds: decimals, int32 or degrees (xyz)",                                        \
+     option_choice,                                                                                \
+     offsetof(settings_type, member.input),                                                        \
+     point_inputs},                                                                                \
+        {"--named",                                                                                \
+         NULL,                                                                                     \
+         "a name stands before the numbers of each line",                                          \
+         option_flag,                                                                              \
+         offsetof(settings_type, member.named),                                                    \
+         NULL},                                                                                    \
+    {                                                                                              \
+        "--viewpoint", "X,Y,Z", "where the viewer is, for xyz (0,0,0)", option_triple,             \
+            offsetof(settings_type, member.viewpoint), NULL                                        \
+    }
+
+/// What those lines mean, for the command's help.
+#define POINT_OPTIONS_HELP                                                                         \
+    "FILE holds one point a line; without it, or with -, stdin is read. Columns are apart by\n"    \
+    "blanks, tabs or one comma; # starts a comment; blank lines are skipped.\n"                    \
+    "  --input xyz    x y z in any one unit. Decimals are read exactly, and so is the vector\n"    \
+    "                 from the viewpoint to the point. Where its components, divided by their\n"   \
+    "                 common divisor, fit int32, all decisions are exact for the numbers as\n"     \
+    "                 written; longer ones are scaled to 31 bits and rounded, and the\n"           \
+    "                 decisions hold for the rounded ones.\n"                                      \
+    "  --input q30    three int32, a direction in Q1.30, used as given\n"                          \
+    "  --input radec  right ascension and declination in degrees: x = cos d cos a,\n"              \
+    "                 y = cos d sin a, z = sin d, rounded to 31 bits\n"                            \
+    "Indices in the results count points from 0.\n"
+
+/// The format that the options ask for. False: told on stderr what does not go together.
+bool point_options_format(const char *command, const struct point_options *options,
+                          struct points_format *out);
+
+/// A point's name for facts_indices; context is a struct points.
+const char *point_options_name_of(const void *points, uint32_t index);
+
+#endif

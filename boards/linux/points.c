@@ -1,0 +1,324 @@
+#include "points.h"
+
+#include "lines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct column {
+    const char *text;
+    size_t size;
+};
+
+/// One more than any format has, so that a line with too many is noticed.
+enum { COLUMNS_MOST = 5 };
+
+/// Where a line stands, for messages, and what is wrong with it.
+struct place {
+    const char *file;
+    unsigned long line;
+};
+
+static bool is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
+
+/// Splits a line without its comment. Returns the number of columns, which may exceed what
+/// columns[] holds; -1: an empty column (a comma with no value on one side).
+static int split(const char *at, const char *end, struct column columns[COLUMNS_MOST]) {
+    int count = 0;
+    bool after_comma = false;
+    for (;;) {
+        while (at < end && is_blank(*at)) {
+            at++;
+        }
+        if (at == end) {
+            return after_comma ? -1 : count;
+        }
+        if (*at == ',') {
+            if (after_comma || count == 0) {
+                return -1;
+            }
+            after_comma = true;
+            at++;
+            continue;
+        }
+        const char *const start = at;
+        while (at < end && *at != ',' && !is_blank(*at)) {
+            at++;
+        }
+        if (count < COLUMNS_MOST) {
+            columns[count] = (struct column){start, (size_t)(at - start)};
+        }
+        count++;
+        after_comma = false;
+    }
+}
+
+static bool read_decimal(struct place place, struct column column, struct decimal *out) {
+    switch (decimal_read(column.text, column.size, out)) {
+    case DECIMAL_OK:
+        return true;
+    case DECIMAL_ERROR_SYNTAX:
+        message_at(place.file, place.line, "%s is not a decimal number",
+                   message_quoted(column.text, column.size).text);
+        return false;
+    default:
+        message_at(place.file, place.line, "%s has digits above 10^%d or below 10^%d",
+                   message_quoted(column.text, column.size).text, DECIMAL_HIGHEST, DECIMAL_LOWEST);
+        return false;
+    }
+}
+
+static bool read_xyz(struct place place, const struct column *columns,
+                     const struct points_format *format, struct direction *out) {
+    struct decimal point[3];
+    for (int i = 0; i < 3; i++) {
+        if (!read_decimal(place, columns[i], &point[i])) {
+            return false;
+        }
+    }
+    if (!direction_from_decimals(point, format->viewpoint, out)) {
+        message_at(place.file, place.line, "the point is at the viewpoint: it has no direction");
+        return false;
+    }
+    return true;
+}
+
+static bool read_int32(struct place place, struct column column, int32_t *out) {
+    size_t at = 0;
+    const bool negative = column.text[0] == '-';
+    if (negative || column.text[0] == '+') {
+        at++;
+    }
+    int64_t value = 0;
+    bool good = at < column.size;
+    for (; at < column.size && good; at++) {
+        good = column.text[at] >= '0' && column.text[at] <= '9';
+        if (value <= INT32_MAX) { // more digits change nothing: it is out of range
+            value = value * 10 + (column.text[at] - '0');
+        }
+    }
+    if (!good) {
+        message_at(place.file, place.line, "%s is not an integer",
+                   message_quoted(column.text, column.size).text);
+        return false;
+    }
+    value = negative ? -value : value;
+    if (value < INT32_MIN || value > INT32_MAX) {
+        message_at(place.file, place.line, "%s does not fit int32 (-2147483648 to 2147483647)",
+                   message_quoted(column.text, column.size).text);
+        return false;
+    }
+    *out = (int32_t)value;
+    return true;
+}
+
+static bool read_q30(struct place place, const struct column *columns, struct direction *out) {
+    struct vec3 *const v = &out->coarse;
+    if (!read_int32(place, columns[0], &v->x) || !read_int32(place, columns[1], &v->y) ||
+        !read_int32(place, columns[2], &v->z)) {
+        return false;
+    }
+    if (vec3_is_zero(*v)) {
+        message_at(place.file, place.line, "the zero vector has no direction");
+        return false;
+    }
+    out->fine = vec3_widen(*v);
+    out->fine_exact = true;
+    return true;
+}
+
+static bool read_radec(struct place place, const struct column *columns, struct direction *out) {
+    static const struct decimal limit = {.digit_count = 1, .exponent = 1, .head = 9, .first = "9"};
+    struct decimal value[2];
+    if (!read_decimal(place, columns[0], &value[0]) ||
+        !read_decimal(place, columns[1], &value[1])) {
+        return false;
+    }
+    int128 angle[2];
+    if (!decimal_fixed(&value[0], DIRECTION_DEGREE_PLACES, &angle[0])) {
+        message_at(place.file, place.line, "right ascension %s is beyond 10^%d degrees",
+                   message_quoted(columns[0].text, columns[0].size).text,
+                   DECIMAL_HEAD_DIGITS - DIRECTION_DEGREE_PLACES);
+        return false;
+    }
+    struct decimal size = value[1];
+    size.negative = false;
+    if (decimal_compare(&size, &limit) > 0 ||
+        !decimal_fixed(&value[1], DIRECTION_DEGREE_PLACES, &angle[1])) {
+        message_at(place.file, place.line, "declination %s is beyond 90 degrees",
+                   message_quoted(columns[1].text, columns[1].size).text);
+        return false;
+    }
+    direction_from_degrees(angle[0], angle[1], out);
+    return true;
+}
+
+/// Room for one more point. False: no memory.
+static bool grow(struct points *points, bool named) {
+    if (points->count < points->room) {
+        return true;
+    }
+    if (points->room > UINT32_MAX / 2U) {
+        return false;
+    }
+    const uint32_t room = points->room == 0U ? 1024U : points->room * 2U;
+    void *const directions = realloc(points->directions, room * sizeof *points->directions);
+    points->directions = directions != NULL ? directions : points->directions;
+    void *const fine = realloc(points->fine, room * sizeof *points->fine);
+    points->fine = fine != NULL ? fine : points->fine;
+    void *const names = named ? realloc(points->names, room * sizeof *points->names) : NULL;
+    points->names = names != NULL ? names : points->names;
+    if (directions == NULL || fine == NULL || (named && names == NULL)) {
+        return false;
+    }
+    points->room = room;
+    return true;
+}
+
+/// Keeps the name of the point that is being added. False: no memory.
+static bool add_name(struct points *points, struct column name) {
+    if (points->name_room - points->name_used <= name.size) {
+        const size_t room = points->name_room * 2U + name.size + 1U;
+        char *const text = realloc(points->name_text, room);
+        if (text == NULL) {
+            return false;
+        }
+        points->name_text = text;
+        points->name_room = room;
+    }
+    points->names[points->count] = points->name_used;
+    memcpy(points->name_text + points->name_used, name.text, name.size);
+    points->name_used += name.size;
+    points->name_text[points->name_used++] = '\0';
+    return true;
+}
+
+static bool read_columns(struct place place, const struct column *columns,
+                         const struct points_format *format, struct direction *out) {
+    switch (format->input) {
+    case POINTS_Q30:
+        return read_q30(place, columns, out);
+    case POINTS_RADEC:
+        return read_radec(place, columns, out);
+    default:
+        return read_xyz(place, columns, format, out);
+    }
+}
+
+/// What the columns of a line must be, in words.
+static const char *wanted_columns(const struct points_format *format) {
+    if (format->input == POINTS_RADEC) {
+        return format->named ? "3 (name, right ascension, declination)"
+                             : "2 (right ascension, declination)";
+    }
+    return format->named ? "4 (name x y z)" : "3 (x y z)";
+}
+
+static enum exit_status read_line(struct place place, const char *text, size_t size,
+                                  const struct points_format *format, struct points *out) {
+    const char *const comment = memchr(text, '#', size);
+    struct column columns[COLUMNS_MOST];
+    const int count = split(text, comment != NULL ? comment : text + size, columns);
+    if (count == 0) {
+        return EXIT_STATUS_OK;
+    }
+    const int first = format->named ? 1 : 0;
+    const int wanted = first + (format->input == POINTS_RADEC ? 2 : 3);
+    if (count < 0) {
+        message_at(place.file, place.line, "an empty column: a comma without a value beside it");
+        return EXIT_STATUS_USAGE;
+    }
+    if (count != wanted) {
+        message_at(place.file, place.line, "%d column%s, not %s", count, count == 1 ? "" : "s",
+                   wanted_columns(format));
+        return EXIT_STATUS_USAGE;
+    }
+    struct direction direction;
+    if (!read_columns(place, columns + first, format, &direction)) {
+        return EXIT_STATUS_USAGE;
+    }
+    if (!grow(out, format->named) || (format->named && !add_name(out, columns[0]))) {
+        message_at(place.file, place.line, "no memory for more than %lu points",
+                   (unsigned long)out->count);
+        return EXIT_STATUS_FAILURE;
+    }
+    out->directions[out->count] = direction.coarse;
+    out->fine[out->count] = direction.fine;
+    out->fine_exact = out->fine_exact && direction.fine_exact;
+    out->count++;
+    return EXIT_STATUS_OK;
+}
+
+static enum exit_status read_all(struct lines *lines, const struct points_format *format,
+                                 struct points *out) {
+    *out = (struct points){.fine_exact = true};
+    for (;;) {
+        const char *text;
+        size_t size;
+        const enum lines_status got = lines_next(lines, &text, &size);
+        if (got == LINES_END) {
+            break;
+        }
+        if (got == LINES_ERROR) {
+            return EXIT_STATUS_USAGE;
+        }
+        const enum exit_status status =
+            read_line((struct place){lines->name, lines->number}, text, size, format, out);
+        if (status != EXIT_STATUS_OK) {
+            return status;
+        }
+    }
+    if (!out->fine_exact) {
+        out->fine_error_rad = format->input == POINTS_RADEC ? direction_degrees_error_rad
+                                                            : direction_decimals_error_rad;
+    }
+    return EXIT_STATUS_OK;
+}
+
+enum exit_status points_read_stream(FILE *stream, const char *name,
+                                    const struct points_format *format, struct points *out) {
+    struct lines lines;
+    lines_from_stream(&lines, stream, name);
+    return read_all(&lines, format, out);
+}
+
+enum exit_status points_read(const char *path, const struct points_format *format,
+                             struct points *out) {
+    struct lines lines;
+    *out = (struct points){0};
+    if (!lines_open(&lines, path)) {
+        return EXIT_STATUS_USAGE;
+    }
+    const enum exit_status status = read_all(&lines, format, out);
+    lines_close(&lines);
+    return status;
+}
+
+const char *points_name(const struct points *points, uint32_t index) {
+    return points->names == NULL ? NULL : points->name_text + points->names[index];
+}
+
+void points_free(struct points *points) {
+    free(points->directions);
+    free(points->fine);
+    free(points->names);
+    free(points->name_text);
+    *points = (struct points){0};
+}
+
+const char *points_read_triple(const char *text, struct triple *out) {
+    struct column columns[COLUMNS_MOST];
+    const char *const end = text + strlen(text);
+    if (split(text, end, columns) != 3) {
+        return "needs three decimals, X,Y,Z";
+    }
+    for (int i = 0; i < 3; i++) {
+        if (decimal_read(columns[i].text, columns[i].size, &out->component[i]) != DECIMAL_OK) {
+            return "needs three decimals, X,Y,Z";
+        }
+    }
+    out->given = true;
+    return NULL;
+}
