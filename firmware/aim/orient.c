@@ -69,16 +69,17 @@ static struct vec3_i128 widen(struct vec3_i64 a) {
     return (struct vec3_i128){i128_from_i64(a.x), i128_from_i64(a.y), i128_from_i64(a.z)};
 }
 
-static bool are_parallel(struct vec3 a, struct vec3 b) {
-    const struct vec3 a_q30 = vec3_normalise(a), b_q30 = vec3_normalise(b);
-    return vec3_equal(a_q30, b_q30) || vec3_equal(a_q30, vec3_neg(b_q30));
+static bool are_parallel(struct vec3 ahead_q30, struct vec3 up, struct vec3_i64 cross) {
+    const struct vec3 up_q30 = vec3_normalise(up);
+    return (cross.x | cross.y | cross.z) == 0 || vec3_equal(ahead_q30, up_q30) ||
+           vec3_equal(ahead_q30, vec3_neg(up_q30));
 }
 
 struct orient_axes orient_axes(struct vec3 ahead_q30, struct vec3 up) {
     const struct vec3_i64 ahead = vec3_widen(ahead_q30);
-    if (!are_parallel(ahead_q30, up)) {
-        // Neither product is divided by its length, so both stay exact: below 2^63 and 2^95.
-        const struct vec3_i64 right = vec3_cross(ahead_q30, up);
+    // No product is divided by its length, so all stay exact: below 2^63 and 2^95.
+    const struct vec3_i64 right = vec3_cross(ahead_q30, up);
+    if (!are_parallel(ahead_q30, up, right)) {
         return (struct orient_axes){normalise(widen(right)),
                                     normalise(vec3_i64_cross(right, ahead))};
     }

@@ -18,13 +18,12 @@ struct orient_axes {
 /// Right R = A x up / |A x up| and up U = R x A of a camera that looks along A.
 /// ahead_q30: not zero, components at most 2^30 in size; its length does not matter.
 /// up:        any int32 vector but zero; its length does not matter.
-/// Where A is parallel to up, that is, where their Q1.30 unit vectors are equal or opposite, R is
-/// +x made perpendicular to A, or +y where A is parallel to x: looking straight up or down with z
-/// up gives R = +x. Accuracy: each component is the Q1.30 number nearest to the exact one, ties
-/// away from zero, so
-///           that a multiple of `up` changes no bit (tests/property/orient_reference.c). Zero
-///           vectors give zero vectors.
-/// Cost:     two normalisations of a 128-bit vector, each six products of 256 bits or so.
+/// A counts as parallel to up where it is so exactly, or is the Q1.30 unit vector of up or -up.
+/// There R is +x made perpendicular to A, or +y where A is parallel to x: looking straight up or
+/// down with z up gives R = +x. Zero vectors give zero vectors.
+/// Accuracy: each component is the Q1.30 number nearest to the exact one, ties away from zero: a
+///           multiple of `up` changes no bit (tests/property/orient_reference.c).
+/// Cost:     two normalisations of a 128-bit vector, each 15 products of 256 bits or so.
 /// Source:   Anderson 1985, equation 4.
 struct orient_axes orient_axes(struct vec3 ahead_q30, struct vec3 up);
 
@@ -35,7 +34,7 @@ struct orient_angles {
 /// Pan = atan2(x, y), clockwise from north seen from above; tilt = asin(z), up, -1/4 to +1/4 turn.
 /// At the zenith and the nadir pan is 0: a controller keeps the pan it has.
 /// ahead_q30: as for orient_axes.
-/// Accuracy: 0.502 BAM (tests/property/orient_reference.c).
+/// Accuracy: 0.501 BAM (tests/property/orient_reference.c).
 struct orient_angles orient_pan_tilt(struct vec3 ahead_q30);
 
 enum orient_image_status {
@@ -54,9 +53,8 @@ struct orient_image {
 
 /// The picture of a cone. Q32.32 holds every value: one BAM below 90 degrees both are 6.8e8.
 /// half_angle_bam32: read as 0 to 1 turn.
-/// Accuracy: within 1 unit of 2^-32 plus 2^-58 of the value (tests/property/orient_reference.c);
-/// the
-///           angle's own half unit matters far more near 90 degrees.
+/// Accuracy: within 1 unit of 2^-32 plus 2^-58 of the value; near 90 degrees the angle's own half
+///           unit matters far more (tests/property/orient_reference.c).
 /// Cost:     25 products of 64 x 64 bits and two 128-by-64-bit divisions.
 /// Source:   Taylor series on the first octant; the first term left out is below 2^-65.
 enum orient_image_status orient_image_of_cone(bam32_t half_angle_bam32,
