@@ -174,8 +174,8 @@ void decimal_magnitude(const struct decimal *a, int32_t shift, struct big *out) 
     big_multiply_power10(out, (uint32_t)(a->exponent + shift));
 }
 
-bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denominator, int64_t *out,
-                   bool *exact) {
+bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denominator,
+                   int64_t *out) {
     const int32_t shift = a->exponent < 0 ? -a->exponent : 0;
     struct big rest, divisor;
     decimal_magnitude(a, shift, &rest);
@@ -196,7 +196,6 @@ bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denomin
             quotient++;
         }
     }
-    *exact = rest.count == 0U;
     big_multiply_add(&rest, 2, 0);
     quotient += big_compare(&rest, &unit) >= 0 ? 1U : 0U;
     if (quotient > (uint64_t)INT64_MAX) {

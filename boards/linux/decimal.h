@@ -43,10 +43,9 @@ int decimal_compare(const struct decimal *a, const struct decimal *b);
 /// |a| * 10^shift as an integer; a's last digit must not stand below 10^-shift.
 void decimal_magnitude(const struct decimal *a, int32_t shift, struct big *out);
 
-/// a * numerator / denominator, rounded to nearest, half away from zero; *exact tells whether
-/// nothing was rounded. Returns: whether the result fits int64. numerator and denominator: above 0.
-bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denominator, int64_t *out,
-                   bool *exact);
+/// a * numerator / denominator, rounded to nearest, half away from zero.
+/// Returns: whether the result fits int64. numerator and denominator: above 0.
+bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denominator, int64_t *out);
 
 /// a in units of 10^-places; digits below are cut off.
 /// Returns: whether |a| is below 10^(DECIMAL_HEAD_DIGITS - places). places: 0 to 36.

@@ -1,6 +1,7 @@
 /// The program `boresight`: finds the command and runs it. docs/cli.md is the user's manual.
 #include "command.h"
 #include "message.h"
+#include "suggest.h"
 
 #include <errno.h>
 #include <float.h>
@@ -16,6 +17,15 @@ static const struct command *find_command(const char *name) {
         }
     }
     return NULL;
+}
+
+static void tell_unknown(const char *where, const char *kind, const char *word) {
+    struct suggestion suggestion = suggest_start(word);
+    for (size_t i = 0; i < command_count; i++) {
+        suggest_offer(&suggestion, commands[i]->name);
+    }
+    message_command(where, "no %s %s%s; 'boresight help' lists them", kind,
+                    message_quoted(word, strlen(word)).text, suggest_tail(&suggestion).text);
 }
 
 static void print_help(void) {
@@ -45,8 +55,7 @@ static enum exit_status help(int argc, char *const *argv) {
     }
     const struct command *const command = find_command(argv[0]);
     if (command == NULL) {
-        message_command("help", "no command %s; 'boresight help' lists them",
-                        message_quoted(argv[0], strlen(argv[0])).text);
+        tell_unknown("help", "command", argv[0]);
         return EXIT_STATUS_USAGE;
     }
     print_command_help(command);
@@ -100,9 +109,7 @@ static enum exit_status run(int argc, char *const *argv) {
     }
     const struct command *const command = find_command(word);
     if (command == NULL) {
-        message_command(NULL, "no %s %s; see 'boresight help'",
-                        word[0] == '-' ? "option" : "command",
-                        message_quoted(word, strlen(word)).text);
+        tell_unknown(NULL, word[0] == '-' ? "option" : "command", word);
         return EXIT_STATUS_USAGE;
     }
     if (asks_for_help(argc - 2, argv + 2)) {

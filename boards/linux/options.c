@@ -2,6 +2,7 @@
 
 #include "message.h"
 #include "points.h"
+#include "suggest.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -71,6 +72,19 @@ static const struct option *find(const struct option *options, size_t option_cou
     return NULL;
 }
 
+static void tell_unknown(const char *command, const struct option *options, size_t option_count,
+                         const char *argument) {
+    char word[64];
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(argument, "="), argument);
+    struct suggestion suggestion = suggest_start(word);
+    for (size_t i = 0; i < option_count; i++) {
+        suggest_offer(&suggestion, options[i].name);
+    }
+    message_command(command, "unknown option %s%s; see 'boresight help %s'",
+                    message_quoted(word, strlen(word)).text, suggest_tail(&suggestion).text,
+                    command);
+}
+
 /// Reads the option at argv[*at]; *at moves on to a value that stands apart.
 static bool read_option(const char *command, const struct option *options, size_t option_count,
                         int argc, char *const *argv, int *at, void *settings) {
@@ -78,8 +92,7 @@ static bool read_option(const char *command, const struct option *options, size_
     const char *const argument = argv[*at];
     const struct option *const option = find(options, option_count, argument, &value);
     if (option == NULL) {
-        message_command(command, "unknown option %s; see 'boresight help %s'",
-                        message_quoted(argument, strcspn(argument, "=")).text, command);
+        tell_unknown(command, options, option_count, argument);
         return false;
     }
     if (option->value == NULL && value != NULL) {
