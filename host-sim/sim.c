@@ -154,7 +154,7 @@ static void drive_servos(struct sim *sim) {
         if (drive->kind != DRIVE_PWM) {
             continue;
         }
-        const uint32_t pulse_ns = sim->pulse_ns[drive->pwm.channel % AXIS_COUNT];
+        const uint32_t pulse_ns = sim->pulse_ns[drive->pwm.channel % SIM_PWM_CHANNELS];
         pwm_servo_set_pulse(axis == AXIS_ZOOM ? &sim->lens.servo : &sim->axis[axis].servo,
                             pulse_ns);
     }
@@ -182,7 +182,7 @@ void sim_step(struct sim *sim) {
     controller_step(&sim->shadow, &sim->pump.input, &sim->shadow_output);
     sim_check_step(sim);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        sim->hash = trace_hash_u64(sim->hash, sim->pulse_ns[axis]);
+        sim->hash = trace_hash_u64(sim->hash, sim->pump.output.pulse_ns[axis]);
     }
     sim->hash = trace_hash_u64(sim->hash, sim->tick);
     drive_servos(sim);

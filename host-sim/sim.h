@@ -113,6 +113,8 @@ struct sim_view {
     struct vec3 right_q30, ahead_q30, up_q30; ///< of the camera, world axes
 };
 
+#define SIM_PWM_CHANNELS 64U
+
 struct sim {
     struct sim_config config;
     uint64_t time_us;
@@ -128,7 +130,7 @@ struct sim {
     struct can_rx_queue received;
     struct sim_axis axis[2];
     struct zoom_lens lens;
-    uint32_t pulse_ns[AXIS_COUNT]; ///< as the PWM channels give them
+    uint32_t pulse_ns[SIM_PWM_CHANNELS]; ///< as the PWM channels give them
     size_t next_item, next_command;
     bool item_waiting;
     uint64_t random;

@@ -147,7 +147,7 @@ static void check_pulses(struct sim *sim) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct drive_config *drive = &sim->config.controller->axis[axis].drive;
         if (drive->kind == DRIVE_PWM && !sim->controller.powered[axis] &&
-            sim->pulse_ns[drive->pwm.channel % AXIS_COUNT] != 0U) {
+            sim->pulse_ns[drive->pwm.channel % SIM_PWM_CHANNELS] != 0U) {
             violate(sim, SIM_I4_UNARMED_MOTION, "axis %u gets pulses", axis);
         }
     }

@@ -45,7 +45,7 @@ static enum hal_status can_restart(void *ctx) {
 
 static enum hal_status pwm_limits(void *ctx, uint32_t channel, struct hal_pwm_limits *limits) {
     (void)ctx;
-    if (channel >= AXIS_COUNT) {
+    if (channel >= SIM_PWM_CHANNELS) {
         return HAL_ERROR_ARGUMENT;
     }
     *limits = (struct hal_pwm_limits){.period_ns = 20000000,
@@ -57,12 +57,12 @@ static enum hal_status pwm_limits(void *ctx, uint32_t channel, struct hal_pwm_li
 
 static enum hal_status pwm_set_period(void *ctx, uint32_t channel, uint32_t period_ns) {
     (void)ctx;
-    return channel < AXIS_COUNT && period_ns == 20000000U ? HAL_OK : HAL_ERROR_ARGUMENT;
+    return channel < SIM_PWM_CHANNELS && period_ns == 20000000U ? HAL_OK : HAL_ERROR_ARGUMENT;
 }
 
 static enum hal_status pwm_set_pulse(void *ctx, uint32_t channel, uint32_t pulse_ns) {
     struct sim *sim = ctx;
-    if (channel >= AXIS_COUNT || pulse_ns >= 20000000U) {
+    if (channel >= SIM_PWM_CHANNELS || pulse_ns >= 20000000U) {
         return HAL_ERROR_ARGUMENT;
     }
     sim->pulse_ns[channel] = pulse_ns;

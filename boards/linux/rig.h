@@ -1,0 +1,33 @@
+/// Rig files: how the mount stands, what drives its axes, which limits hold. `boresight config
+/// check` explains one.
+#ifndef LINUX_RIG_H
+#define LINUX_RIG_H
+
+#include "ini.h"
+
+#include "control/controller.h"
+
+#include <stdbool.h>
+
+struct rig {
+    struct ini ini; ///< keeps the texts
+    struct controller_config controller;
+    const char *bus[2];    ///< of pan and tilt, as in the file: "fake" or "can:NAME"
+    const char *device[3]; ///< of PWM axes: "fake", or a PWM chip
+    double fixed_focal_mm; ///< of the camera when there is no zoom axis
+};
+
+/// Reads and checks a rig file. tick_us: overrides the file's; 0: does not.
+/// Returns: EXIT_STATUS_OK, or another after lines on stderr that name the file and its lines. Free
+/// with rig_free in
+///          any case.
+enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out);
+void rig_free(struct rig *rig);
+
+/// Explains every value of a rig that was read, and what follows from them.
+void rig_explain(const struct rig *rig, FILE *stream);
+
+/// Does every device that the rig names exist in the simulator only?
+bool rig_is_fake(const struct rig *rig);
+
+#endif

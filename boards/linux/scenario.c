@@ -1,0 +1,456 @@
+#include "scenario.h"
+
+#include "ini_schema.h"
+#include "scenario_targets.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOVERS_MOST = 64 };
+
+struct scenario_run {
+    const char *name, *rig;
+    int64_t duration_us, seed, tick_us, clock_start_us, loss_ppm;
+    struct ini_numbers start_mdeg;
+    bool arm;
+};
+
+struct scenario_targets {
+    const char *file;
+    int format;
+    struct star_show show;
+    struct box_camera boxes;
+};
+
+struct scenario_mover {
+    const char *label;
+    int64_t id, from_us, until_us, period_us, radius_um, phase_mdeg, turn_mdps, noise_um;
+    struct ini_numbers start_um, velocity_umps;
+};
+
+struct scenario_event {
+    const char *label;
+    int64_t at_us;
+    int action;
+};
+
+struct scenario_file {
+    struct scenario_run run;
+    bool has_targets;
+    struct scenario_targets targets;
+    uint32_t mover_count, event_count;
+    struct scenario_mover mover[MOVERS_MOST];
+    struct scenario_event event[SCENARIO_EVENTS_MAX];
+};
+
+enum { FORMAT_JSONL, FORMAT_STARS, FORMAT_BOXES };
+static const char *const formats[] = {"jsonl", "stars", "boxes", NULL};
+static const char *const actions[] = {"arm", "stop", NULL};
+
+#define RUN(member) .offset = offsetof(struct scenario_run, member)
+static const struct ini_key run_keys[] = {
+    {.name = "name", .type = INI_TEXT, RUN(name), .help = "what it shows"},
+    {.name = "rig", .type = INI_TEXT, RUN(rig), .help = "the rig file"},
+    {.name = "seconds",
+     .type = INI_DECIMAL,
+     .min = "0.001",
+     .max = "4000000",
+     .numerator = 1000000,
+     RUN(duration_us),
+     .help = "how long it runs"},
+    {.name = "seed",
+     .type = INI_WHOLE,
+     .fallback = "1",
+     .min = "0",
+     RUN(seed),
+     .help = "of everything random"},
+    {.name = "tick_us",
+     .type = INI_WHOLE,
+     .fallback = "0",
+     .min = "0",
+     .max = "20000",
+     RUN(tick_us),
+     .help = "of the controller; 0: as in the rig file"},
+    {.name = "clock_start_us",
+     .type = INI_WHOLE,
+     .fallback = "0",
+     .min = "0",
+     .max = "4294967295",
+     RUN(clock_start_us),
+     .help = "what the controller's clock reads at first"},
+    {.name = "can_loss_percent",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "100",
+     .numerator = 10000,
+     RUN(loss_ppm),
+     .help = "frames that nobody hears"},
+    {.name = "start_deg",
+     .type = INI_DECIMAL_LIST,
+     .fallback = "0, 0",
+     .min = "-180",
+     .max = "180",
+     .numerator = 1000,
+     RUN(start_mdeg),
+     .help = "pan and tilt at power-on"},
+    {.name = "arm",
+     .type = INI_YES_NO,
+     .fallback = "yes",
+     RUN(arm),
+     .help = "arm as soon as the axes are homed"},
+};
+
+#define TARGETS(member) .offset = offsetof(struct scenario_targets, member)
+static const struct ini_key target_keys[] = {
+    {.name = "file", .type = INI_TEXT, TARGETS(file), .help = "where they come from"},
+    {.name = "format",
+     .type = INI_CHOICE,
+     .fallback = "jsonl",
+     .choices = formats,
+     TARGETS(format),
+     .help = "jsonl: a target stream; stars: a catalogue; boxes: a detector's, by frame"},
+    {.name = "figures",
+     .type = INI_TEXT_LIST,
+     .fallback = "Ori",
+     TARGETS(show.figures),
+     .help = "stars: constellations to show, in order"},
+    {.name = "dwell_s",
+     .type = INI_DECIMAL,
+     .fallback = "6",
+     .min = "0.1",
+     .max = "3600",
+     .numerator = 1000000,
+     TARGETS(show.dwell_us),
+     .help = "stars: time for each"},
+    {.name = "start_s",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "3600",
+     .numerator = 1000000,
+     TARGETS(show.start_us),
+     .help = "stars: when the first one begins"},
+    {.name = "latitude_deg",
+     .type = INI_DECIMAL,
+     .fallback = "45",
+     .min = "-90",
+     .max = "90",
+     .numerator = 1000000,
+     TARGETS(show.latitude_udeg),
+     .help = "stars: of the observer"},
+    {.name = "sidereal_h",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "24",
+     .numerator = UINT64_C(3600000000),
+     TARGETS(show.sidereal_us),
+     .help = "stars: local sidereal time"},
+    {.name = "width_px",
+     .type = INI_WHOLE,
+     .fallback = "768",
+     .min = "1",
+     .max = "100000",
+     TARGETS(boxes.width_px),
+     .help = "boxes: of the detector's picture"},
+    {.name = "height_px",
+     .type = INI_WHOLE,
+     .fallback = "576",
+     .min = "1",
+     .max = "100000",
+     TARGETS(boxes.height_px),
+     .help = "boxes: likewise"},
+    {.name = "hfov_deg",
+     .type = INI_DECIMAL,
+     .fallback = "60",
+     .min = "1",
+     .max = "170",
+     .numerator = 1000000,
+     TARGETS(boxes.hfov_udeg),
+     .help = "boxes: horizontal field of view"},
+    {.name = "score_min",
+     .type = INI_DECIMAL,
+     .fallback = "0.5",
+     .numerator = 1000,
+     TARGETS(boxes.score_min_millis),
+     .help = "boxes: only those above it count"},
+    {.name = "frame_ms",
+     .type = INI_DECIMAL,
+     .fallback = "100",
+     .min = "1",
+     .max = "60000",
+     .numerator = 1000,
+     TARGETS(boxes.frame_us),
+     .help = "boxes: time between frames"},
+};
+
+#define MOVER(member) .offset = offsetof(struct scenario_mover, member)
+static const struct ini_key mover_keys[] = {
+    {.name = "id",
+     .type = INI_WHOLE,
+     .min = "0",
+     .max = "4294967295",
+     MOVER(id),
+     .help = "of the target"},
+    {.name = "start_m",
+     .type = INI_DECIMAL_LIST,
+     .min = "-1000000",
+     .max = "1000000",
+     .numerator = 1000000,
+     MOVER(start_um),
+     .help = "where it begins: east, north, up"},
+    {.name = "velocity_mps",
+     .type = INI_DECIMAL_LIST,
+     .fallback = "0, 0, 0",
+     .min = "-10000",
+     .max = "10000",
+     .numerator = 1000000,
+     MOVER(velocity_umps),
+     .help = "straight motion"},
+    {.name = "radius_m",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "1000000",
+     .numerator = 1000000,
+     MOVER(radius_um),
+     .help = "of a level circle round that"},
+    {.name = "phase_deg",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "-360",
+     .max = "360",
+     .numerator = 1000,
+     MOVER(phase_mdeg),
+     .help = "where on the circle it begins, from east"},
+    {.name = "turn_dps",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "-3600",
+     .max = "3600",
+     .numerator = 1000,
+     MOVER(turn_mdps),
+     .help = "how fast it goes round, toward north"},
+    {.name = "from_s",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "4000000",
+     .numerator = 1000000,
+     MOVER(from_us),
+     .help = "when it appears"},
+    {.name = "until_s",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "4000000",
+     .numerator = 1000000,
+     MOVER(until_us),
+     .help = "when it leaves; 0: stays"},
+    {.name = "period_ms",
+     .type = INI_DECIMAL,
+     .fallback = "50",
+     .min = "1",
+     .max = "60000",
+     .numerator = 1000,
+     MOVER(period_us),
+     .help = "how often the controller hears of it"},
+    {.name = "noise_m",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "1000",
+     .numerator = 1000000,
+     MOVER(noise_um),
+     .help = "error of what it hears, standard deviation"},
+};
+
+#define EVENT(member) .offset = offsetof(struct scenario_event, member)
+static const struct ini_key event_keys[] = {
+    {.name = "at_s",
+     .type = INI_DECIMAL,
+     .min = "0",
+     .max = "4000000",
+     .numerator = 1000000,
+     EVENT(at_us),
+     .help = "when"},
+    {.name = "do", .type = INI_CHOICE, .choices = actions, EVENT(action), .help = "what"},
+};
+
+#define TABLE(table) .keys = table, .key_count = sizeof table / sizeof *table
+static const struct ini_section sections[] = {
+    {.name = "scenario",
+     TABLE(run_keys),
+     .offset = offsetof(struct scenario_file, run),
+     .help = "what runs"},
+    {.name = "targets",
+     .presence = INI_OPTIONAL,
+     TABLE(target_keys),
+     .offset = offsetof(struct scenario_file, targets),
+     .seen_offset = offsetof(struct scenario_file, has_targets),
+     .help = "targets from a file"},
+    {.name = "mover",
+     .presence = INI_MANY,
+     TABLE(mover_keys),
+     .offset = offsetof(struct scenario_file, mover),
+     .seen_offset = offsetof(struct scenario_file, mover_count),
+     .stride = sizeof(struct scenario_mover),
+     .most = MOVERS_MOST,
+     .label_offset = offsetof(struct scenario_mover, label),
+     .help = "a target that moves"},
+    {.name = "event",
+     .presence = INI_MANY,
+     TABLE(event_keys),
+     .offset = offsetof(struct scenario_file, event),
+     .seen_offset = offsetof(struct scenario_file, event_count),
+     .stride = sizeof(struct scenario_event),
+     .most = SCENARIO_EVENTS_MAX,
+     .label_offset = offsetof(struct scenario_event, label),
+     .help = "a command at a time"},
+};
+static const struct ini_schema schema = {sections, sizeof sections / sizeof *sections};
+
+// ---------------------------------------------------------------- what the sections mean
+
+/// A path as seen from the folder of the scenario file. NULL: no memory.
+static const char *resolve(struct ini *ini, const char *scenario, const char *path) {
+    const char *slash = strrchr(scenario, '/');
+    if (path[0] == '/' || slash == NULL) {
+        return path;
+    }
+    char joined[4096];
+    const int size =
+        snprintf(joined, sizeof joined, "%.*s/%s", (int)(slash - scenario), scenario, path);
+    return size < 0 || (size_t)size >= sizeof joined ? path : ini_keep(ini, joined, (size_t)size);
+}
+
+static bool read_movers(const struct scenario_file *file, struct scenario *out) {
+    for (uint32_t i = 0; i < file->mover_count; i++) {
+        const struct scenario_mover *from = &file->mover[i];
+        if (from->start_um.count != 3U || from->velocity_umps.count != 3U) {
+            ini_complain(&out->ini, "mover", from->label,
+                         from->start_um.count != 3U ? "start_m" : "velocity_mps",
+                         "needs three values: east, north, up");
+            return false;
+        }
+        const double degree = AXIS_PLANT_PI / 180.0;
+        struct schedule_mover mover = {.id = (uint32_t)from->id,
+                                       .from_us = (uint64_t)from->from_us,
+                                       .until_us = (uint64_t)from->until_us,
+                                       .period_us = (uint32_t)from->period_us,
+                                       .radius_m = (double)from->radius_um * 1e-6,
+                                       .phase_rad = (double)from->phase_mdeg * 1e-3 * degree,
+                                       .rate_rps = (double)from->turn_mdps * 1e-3 * degree,
+                                       .noise_m = (double)from->noise_um * 1e-6};
+        for (unsigned axis = 0; axis < 3U; axis++) {
+            mover.start_m[axis] = (double)from->start_um.item[axis] * 1e-6;
+            mover.velocity_mps[axis] = (double)from->velocity_umps.item[axis] * 1e-6;
+        }
+        if (!schedule_add_mover(&out->schedule, &mover)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int compare_commands(const void *a, const void *b) {
+    const struct sim_command *x = a, *y = b;
+    return (x->at_us > y->at_us) - (x->at_us < y->at_us);
+}
+
+static void read_events(const struct scenario_file *file, struct scenario *out) {
+    for (uint32_t i = 0; i < file->event_count; i++) {
+        out->commands[i] = (struct sim_command){
+            .at_us = (uint64_t)file->event[i].at_us,
+            .commands = file->event[i].action == 0 ? COMMAND_ARM : COMMAND_STOP};
+    }
+    out->command_count = file->event_count;
+    qsort(out->commands, out->command_count, sizeof *out->commands, compare_commands);
+}
+
+static enum exit_status read_targets(const struct scenario_file *file, const char *path,
+                                     struct scenario *out) {
+    if (!file->has_targets) {
+        return EXIT_STATUS_OK;
+    }
+    const char *targets = resolve(&out->ini, path, file->targets.file);
+    if (targets == NULL) {
+        return EXIT_STATUS_FAILURE;
+    }
+    switch (file->targets.format) {
+    case FORMAT_STARS:
+        return load_stars(targets, &file->targets.show, &out->schedule);
+    case FORMAT_BOXES:
+        return load_boxes(targets, &file->targets.boxes, &out->schedule);
+    default:
+        return load_json_lines(targets, &out->schedule);
+    }
+}
+
+static void fill_sim(const struct scenario_file *file, struct scenario *out) {
+    out->sim = (struct sim_config){.controller = &out->rig.controller,
+                                   .schedule = &out->schedule,
+                                   .commands = out->commands,
+                                   .command_count = out->command_count,
+                                   .seed = (uint64_t)file->run.seed,
+                                   .start_us = (uint32_t)file->run.clock_start_us,
+                                   .can_loss = (double)file->run.loss_ppm * 1e-6,
+                                   .fixed_focal_mm = out->rig.fixed_focal_mm};
+    out->sim.start_deg[0] = (double)file->run.start_mdeg.item[0] * 1e-3;
+    out->sim.start_deg[1] = (double)file->run.start_mdeg.item[1] * 1e-3;
+    out->rig.controller.arm_on_start = file->run.arm;
+}
+
+static enum exit_status build(const char *path, const struct scenario_file *file,
+                              struct scenario *out) {
+    if (file->run.start_mdeg.count != 2U) {
+        ini_complain(&out->ini, "scenario", "", "start_deg", "needs two values: pan, tilt");
+        return EXIT_STATUS_USAGE;
+    }
+    if (file->run.tick_us != 0 && file->run.tick_us < 100) {
+        ini_complain(&out->ini, "scenario", "", "tick_us", "must be 0, or 100 to 20000");
+        return EXIT_STATUS_USAGE;
+    }
+    out->name = file->run.name;
+    out->duration_us = (uint64_t)file->run.duration_us;
+    const char *rig = resolve(&out->ini, path, file->run.rig);
+    enum exit_status status =
+        rig == NULL ? EXIT_STATUS_FAILURE : rig_read(rig, (uint32_t)file->run.tick_us, &out->rig);
+    if (status == EXIT_STATUS_OK) {
+        status = read_targets(file, path, out);
+    }
+    if (status == EXIT_STATUS_OK && !read_movers(file, out)) {
+        status = EXIT_STATUS_USAGE;
+    }
+    read_events(file, out);
+    fill_sim(file, out);
+    return status;
+}
+
+enum exit_status scenario_read(const char *path, struct scenario *out) {
+    memset(out, 0, sizeof *out);
+    schedule_init(&out->schedule);
+    struct scenario_file *file = calloc(1, sizeof *file);
+    if (file == NULL) {
+        message_at(path, 0, "no memory for it");
+        return EXIT_STATUS_FAILURE;
+    }
+    enum exit_status status = ini_read(path, &out->ini);
+    if (status == EXIT_STATUS_OK) {
+        status = ini_apply(&out->ini, &schema, file);
+    }
+    if (status == EXIT_STATUS_OK) {
+        status = build(path, file, out);
+    }
+    free(file);
+    return status;
+}
+
+void scenario_free(struct scenario *scenario) {
+    schedule_free(&scenario->schedule);
+    rig_free(&scenario->rig);
+    ini_free(&scenario->ini);
+}
