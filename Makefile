@@ -94,10 +94,10 @@ $(B)/$(1)/lib%.a:
 $(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
 $(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -lm
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -ljansson -lm
 $(B)/$(1)/tests/%: $(B)/$(1)/tests/%.o $(B)/$(1)/libtest.a $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -lmpfr -lgmp -lm
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -ljansson -lmpfr -lgmp -lm
 -include $(all_c:%.c=$(B)/$(1)/%.d)
 endef
 $(foreach v,$(variants),$(eval $(call variant_rules,$(v))))

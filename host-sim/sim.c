@@ -116,8 +116,7 @@ static void move_targets(struct sim *sim) {
         if (!alive) {
             if (mover->until_us != 0U && sim->time_us == mover->until_us) {
                 update.kind = TARGET_GONE;
-                sim_measure_update(sim, &update);
-                (void)!pump_push(&sim->pump, &update);
+                (void)sim_push(sim, &update);
             }
             continue;
         }
@@ -132,12 +131,19 @@ static void move_targets(struct sim *sim) {
     }
 }
 
+bool sim_push(struct sim *sim, const struct target_update *update) {
+    if (!pump_push(&sim->pump, update)) {
+        return false;
+    }
+    sim_measure_update(sim, update);
+    return true;
+}
+
 static void feed(struct sim *sim) {
     const struct schedule *schedule = sim->config.schedule;
     while (sim->next_item < schedule->item_count &&
            schedule->items[sim->next_item].at_us <= sim->time_us &&
-           pump_push(&sim->pump, &schedule->items[sim->next_item].update)) {
-        sim_measure_update(sim, &schedule->items[sim->next_item].update);
+           sim_push(sim, &schedule->items[sim->next_item].update)) {
         sim->next_item++;
     }
     move_targets(sim);

@@ -151,6 +151,10 @@ void sim_destroy(struct sim *sim);
 /// One tick.
 void sim_step(struct sim *sim);
 
+/// Besides the schedule: an update for the next tick, from outside. False: the pump's queue is
+/// full, try after a tick.
+bool sim_push(struct sim *sim, const struct target_update *update);
+
 /// What a camera on the gimbal sees at this moment: the truth, which the controller does not know.
 struct sim_view sim_observe(const struct sim *sim);
 

@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include "decimal.h"
 #include "message.h"
 #include "points.h"
 #include "suggest.h"
@@ -150,4 +151,18 @@ void options_print(const struct option *options, size_t option_count) {
                  options[i].value != NULL ? options[i].value : "");
         printf("  %-22s %s\n", left, options[i].help);
     }
+}
+
+bool option_positive(const char *command, const char *name, const char *text, double *out) {
+    struct decimal value;
+    int64_t millionths = 0;
+    if (decimal_read(text, strlen(text), &value) != DECIMAL_OK ||
+        !decimal_scale(&value, 1000000, 1, &millionths) || millionths <= 0 ||
+        millionths > INT64_C(4000000000000)) {
+        message_command(command, "%s %s: must be a number above 0, at most 4000000", name,
+                        message_quoted(text, strlen(text)).text);
+        return false;
+    }
+    *out = (double)millionths * 1e-6;
+    return true;
 }

@@ -41,6 +41,9 @@ bool options_read(const char *command, const struct option *options, size_t opti
                   char *const *argv, void *settings, const char **operands, size_t operand_most,
                   size_t *operand_count);
 
+/// The text of an option as a decimal above 0, at most 4,000,000. False: told on stderr why not.
+bool option_positive(const char *command, const char *name, const char *text, double *out);
+
 /// The options as the help shows them, a line each.
 void options_print(const struct option *options, size_t option_count);
 

@@ -1,0 +1,243 @@
+/// `boresight sim`: a scenario in the simulator.
+#include "command.h"
+#include "facts.h"
+#include "make_folder.h"
+#include "scenario.h"
+
+#include "view/report.h"
+#include "view/story.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+extern const char build_id[];
+
+struct settings {
+    uint64_t seed;
+    const char *seconds, *speed, *report;
+    bool has_seed, json, quiet;
+};
+
+/// A chapter of a report in progress.
+struct run {
+    struct scenario scenario;
+    struct sim *sim;
+    struct story story;
+    double wall_s;
+};
+
+static const char *option_seed(const struct option *option, const char *text, void *place) {
+    struct settings *settings =
+        (struct settings *)((char *)place - offsetof(struct settings, seed));
+    settings->has_seed = true;
+    return option_u64(option, text, place);
+}
+
+static const struct option options[] = {
+    {"--seed", "N", "seed of everything random (default: the scenario's)", option_seed,
+     offsetof(struct settings, seed), NULL},
+    {"--seconds", "S", "how long (default: the scenario's)", option_text,
+     offsetof(struct settings, seconds), NULL},
+    {"--speed", "X|max", "times as fast as the clock, or as fast as it goes (default: max)",
+     option_text, offsetof(struct settings, speed), NULL},
+    {"--report", "DIR", "write DIR/report.html with plots and pictures", option_text,
+     offsetof(struct settings, report), NULL},
+    {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
+    OPTION_JSON(struct settings),
+};
+
+static double now_s(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+static void tell_progress(void *context, const struct story_line *line) {
+    (void)context;
+    fprintf(stderr, "%-8s %3u targets  pan %7.2f  tilt %6.2f  half-angle %6.2f  f %5.1f mm  ",
+            line->name, line->target_count, line->pan_deg, line->tilt_deg, line->half_angle_deg,
+            line->focal_mm);
+    if (line->settle_s >= 0.0) {
+        fprintf(stderr, "settled in %.1f s, error %.4f deg\n", line->settle_s, line->error_deg);
+    } else {
+        fprintf(stderr, "not settled\n");
+    }
+}
+
+/// Waits until the clock has reached the simulation, at the speed asked for.
+static void keep_pace(const struct sim *sim, double start_s, double speed) {
+    const double ahead = (double)sim->time_us * 1e-6 / speed - (now_s() - start_s);
+    if (ahead > 0.002) {
+        const struct timespec nap = {(time_t)ahead, (long)((ahead - (double)(time_t)ahead) * 1e9)};
+        (void)nanosleep(&nap, NULL);
+    }
+}
+
+static void run_sim(struct run *run, double speed) {
+    const double start_s = now_s();
+    while (run->sim->time_us < run->scenario.duration_us) {
+        sim_step(run->sim);
+        story_step(&run->story);
+        if (speed > 0.0) {
+            keep_pace(run->sim, start_s, speed);
+        }
+    }
+    run->wall_s = now_s() - start_s;
+}
+
+// ---------------------------------------------------------------- results
+
+__attribute__((format(printf, 3, 4))) static void add_fact(struct story *story, const char *name,
+                                                           const char *format, ...) {
+    char value[96];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(value, sizeof value, format, arguments);
+    va_end(arguments);
+    story->complete = report_add_fact(&story->report, name, value) && story->complete;
+}
+
+static void add_facts(struct run *run, const struct sim_summary *summary) {
+    struct story *story = &run->story;
+    add_fact(story, "simulated time", "%.1f s in %.2f s", summary->seconds, run->wall_s);
+    add_fact(story, "targets at a time", "up to %u", summary->targets);
+    add_fact(story, "aim error, settled", "rms %.4f deg, 99 %% below %.4f deg",
+             summary->aim_error_rms_deg, summary->aim_error_p99_deg);
+    add_fact(story, "time to settle", "%.2f s, mean of %" PRIu64, summary->settle_s,
+             summary->settle_count);
+    add_fact(story, "targets in the picture", "%.1f %% of the time", summary->in_frame_percent);
+    add_fact(story, "load of the CAN bus", "%.1f %%", summary->bus_load_percent);
+    add_fact(story, "violated invariants", "%" PRIu64, sim_violation_count(&summary->violations));
+    add_fact(story, "trace hash", "%016" PRIx64, summary->trace_hash);
+    add_fact(story, "seed", "%" PRIu64, run->scenario.sim.seed);
+    add_fact(story, "program", "boresight %s", build_id);
+}
+
+static void print_summary(const struct settings *settings, const struct run *run,
+                          const struct sim_summary *summary) {
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, summary->trace_hash);
+    struct facts facts;
+    facts_begin(&facts, stdout, settings->json);
+    facts_text(&facts, "scenario", run->scenario.name);
+    facts_text(&facts, "build", build_id);
+    facts_fixed(&facts, "seconds", summary->seconds, 3);
+    facts_u64(&facts, "targets", summary->targets);
+    facts_u64(&facts, "steps", summary->steps);
+    facts_u64(&facts, "seed", run->scenario.sim.seed);
+    facts_text(&facts, "trace_hash", hash);
+    facts_fixed(&facts, "aim_error_rms_deg", summary->aim_error_rms_deg, 5);
+    facts_fixed(&facts, "aim_error_p99_deg", summary->aim_error_p99_deg, 5);
+    facts_fixed(&facts, "aim_error_max_deg", summary->aim_error_max_deg, 5);
+    facts_fixed(&facts, "in_frame_percent", summary->in_frame_percent, 2);
+    facts_fixed(&facts, "settle_s", summary->settle_s, 3);
+    facts_fixed(&facts, "bus_load_percent", summary->bus_load_percent, 2);
+    facts_u64(&facts, "faults_injected", 0);
+    facts_u64(&facts, "violations", sim_violation_count(&summary->violations));
+    facts_text(&facts, "mode", controller_mode_name(run->sim->controller.mode));
+    facts_fixed(&facts, "times_real_time", run->wall_s > 0.0 ? summary->seconds / run->wall_s : 0.0,
+                0);
+    facts_end(&facts);
+}
+
+static enum exit_status finish(const struct command *command, const struct settings *settings,
+                               struct run *run) {
+    const struct sim_summary summary = sim_summarise(run->sim);
+    enum exit_status status = EXIT_STATUS_OK;
+    if (settings->report != NULL) {
+        add_facts(run, &summary);
+        char path[4096];
+        snprintf(path, sizeof path, "%s/report.html", settings->report);
+        const struct report *chapter = &run->story.report;
+        if (!run->story.complete) {
+            message_command(command->name, "no memory for the whole report");
+            status = EXIT_STATUS_FAILURE;
+        } else if (!make_folder(settings->report) || !report_write(&chapter, 1, path)) {
+            message_at(path, 0, "%s", strerror(errno));
+            status = EXIT_STATUS_FAILURE;
+        }
+    }
+    print_summary(settings, run, &summary);
+    if (sim_violation_count(&summary.violations) != 0U) {
+        message_command(command->name, "invariant violated at %.3f s: %s",
+                        (double)summary.violations.first_us * 1e-6, summary.violations.first);
+        status = EXIT_STATUS_FAILURE;
+    }
+    return status;
+}
+
+static enum exit_status simulate(const struct command *command, const struct settings *settings,
+                                 double speed, struct run *run) {
+    run->sim = sim_create(&run->scenario.sim);
+    if (run->sim == NULL || !story_begin(&run->story, run->sim, run->scenario.name, build_id,
+                                         run->scenario.duration_us, settings->report != NULL)) {
+        message_command(command->name, "no memory for the simulation");
+        return EXIT_STATUS_FAILURE;
+    }
+    run->story.tell = settings->quiet || settings->json ? NULL : tell_progress;
+    run_sim(run, speed);
+    return finish(command, settings, run);
+}
+
+static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
+    struct settings settings = {0};
+    const char *file = NULL;
+    size_t operands;
+    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
+                      &file, 1, &operands)) {
+        return EXIT_STATUS_USAGE;
+    }
+    double seconds = 0.0, speed = 0.0;
+    const bool as_fast_as_it_goes = settings.speed == NULL || strcmp(settings.speed, "max") == 0;
+    if (operands == 0U) {
+        message_command(command->name, "which scenario? give its file");
+        return EXIT_STATUS_USAGE;
+    }
+    if ((settings.seconds != NULL &&
+         !option_positive(command->name, "--seconds", settings.seconds, &seconds)) ||
+        (!as_fast_as_it_goes &&
+         !option_positive(command->name, "--speed", settings.speed, &speed))) {
+        return EXIT_STATUS_USAGE;
+    }
+    struct run *run = calloc(1, sizeof *run);
+    if (run == NULL) {
+        message_command(command->name, "no memory");
+        return EXIT_STATUS_FAILURE;
+    }
+    enum exit_status status = scenario_read(file, &run->scenario);
+    if (status == EXIT_STATUS_OK) {
+        run->scenario.duration_us =
+            settings.seconds != NULL ? (uint64_t)(seconds * 1e6) : run->scenario.duration_us;
+        run->scenario.sim.seed = settings.has_seed ? settings.seed : run->scenario.sim.seed;
+        status = simulate(command, &settings, speed, run);
+    }
+    story_end(&run->story);
+    sim_destroy(run->sim);
+    scenario_free(&run->scenario);
+    free(run);
+    return status;
+}
+
+const struct command command_sim = {
+    .name = "sim",
+    .summary = "run a scenario in the simulator",
+    .operands = "SCENARIO.ini",
+    .help =
+        "Runs the firmware's controller on a simulated gimbal, in virtual time, and prints a\n"
+        "summary. The same seed gives the same trace hash. Exit status 1: an invariant of\n"
+        "docs/safety.md was violated.\n\n"
+        "results:\n"
+        "  trace_hash         of every frame, pulse and plant state of every tick\n"
+        "  aim_error_*_deg    between camera and optimal axis, once the aim has settled (below\n"
+        "                     0.1 degree) and until it jumps by more than 5 degrees\n"
+        "  in_frame_percent   of all targets at all times while tracking\n"
+        "  settle_s           mean time from a jump of the aim until it has settled\n"
+        "  times_real_time    simulated time by elapsed time\n",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .run = run_command,
+};
