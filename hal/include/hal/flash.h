@@ -1,7 +1,8 @@
 /// NOR flash for settings: a region of equal sectors that a board sets aside, or a file on Linux.
 ///
 /// Erasing makes every bit of a sector 1; programming only turns 1 into 0. Both begin and then run
-/// by themselves, one at a time; poll tells when they are done.
+/// in the background, one at a time. Call poll until it says that they are done: an implementation
+/// may do the work there.
 ///
 /// If the power fails or the operation fails on its way, the other sectors are as they were, and
 /// - program: of the bytes of this operation, each bit that was to become 0 may be either, or even
