@@ -97,7 +97,7 @@ static inline int64_t axis_plant_counts(const struct axis_plant *plant) {
 /// Largest torque in the direction of motion at this speed.
 double axis_plant_torque_max(const struct axis_plant *plant, double rate_rps);
 
-/// cos(x), |x| < 1e9, within 1e-9: only + - * /, for the same bits everywhere.
+/// cos(x), |x| < 1e6, within 3e-9: only + - * /, for the same bits everywhere.
 double axis_plant_cos(double x_rad);
 
 /// Folds the state into hash (world/trace_hash.h).
