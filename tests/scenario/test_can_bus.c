@@ -305,7 +305,7 @@ static void losses_follow_the_dice(void) {
 
 struct plan {
     unsigned destroy;    ///< so many transfers
-    unsigned delay_each; ///< of the identifiers below 0x100, in us
+    unsigned delay_each; ///< us for each 0x10 of the identifiers below 0x100
     unsigned seen;
     struct can_transfer last;
 };
@@ -316,7 +316,7 @@ static void fault(void *context, struct can_transfer *t) {
         plan->destroy--;
         t->fate = CAN_DESTROYED;
     }
-    t->delay_ns = t->frame.id < 0x100U ? plan->delay_each * 1000ULL : 0;
+    t->delay_ns = t->frame.id < 0x100U ? plan->delay_each * 1000ULL * (t->frame.id >> 4) : 0;
     t->frame.data[7] ^= 0x80U;
 }
 
@@ -355,27 +355,31 @@ static void a_destroyed_frame_is_sent_again(void) {
 }
 
 static void delayed_frames_arrive_later_and_out_of_order(void) {
-    struct plan plan = {.delay_each = 300};
+    struct plan plan = {.delay_each = 100};
     new_faulty_bus(&plan);
     struct can_frame f = frame(0x050, 0, 0);
     const uint64_t end = can_frame_bits(&bus.timing, &f) * 1000U;
     send(0, f, 0);
     send(0, frame(0x200, 0, 0), 0);
-    can_bus_run_until(&bus, 1000000);
+    send(0, frame(0x010, 0, 0), 0); // sent later, held back for less
+    send(0, frame(0x090, 0, 0), 0);
+    can_bus_run_until(&bus, 1500000);
     uint64_t t;
     CHECK_EQ(next_id(1, &t), 0x200);
     CHECK(t < 200000U);
+    CHECK_EQ(next_id(1, &t), 0x010);
     CHECK_EQ(next_id(1, &t), 0x050);
-    CHECK_EQ(t, end + 300000U);
+    CHECK_EQ(t, end + 500000U);
+    CHECK_EQ(next_id(1, &t), 0x090);
     // Held back over the end of a run, and more of them than there is room for.
     plan.delay_each = 50000;
     for (unsigned i = 0; i < CAN_BUS_DELAYED_MAX + 3U; i++) {
-        send(0, frame(i, 0, 0), 0);
+        send(0, frame(0x10U + i % 16U, 0, 0), 0);
         can_bus_run_until(&bus, bus.now_ns + 100000U);
     }
-    CHECK_EQ(heard[2].count, 2);
+    CHECK_EQ(heard[2].count, 4);
     can_bus_run_until(&bus, 100000000);
-    CHECK_EQ(heard[2].count, 2U + CAN_BUS_DELAYED_MAX);
+    CHECK_EQ(heard[2].count, 4U + CAN_BUS_DELAYED_MAX);
     CHECK_EQ(bus.delay_overflow, 3);
     CHECK_EQ(bus.lost, 3);
 }

@@ -52,18 +52,19 @@ static void sixty_degrees_in_a_tenth_of_a_second(void) {
     CHECK(near(fastest, 0.6, 1e-9)); // 600 degrees a second
 }
 
+/// 2 us wide, so 1 us or 0.09 degrees either way.
 static void dead_band(void) {
-    struct pwm_servo s = new_servo(0.0, 5);
-    pwm_servo_set_pulse(&s, 1700000);
-    run(&s, 500);
-    const double rest = s.angle_deg;
-    pwm_servo_set_pulse(&s, 1700900);
-    run(&s, 500);
-    const double nudged = s.angle_deg;
-    CHECK(near(nudged, rest, 0.09));
-    pwm_servo_set_pulse(&s, 1703000);
-    run(&s, 500);
-    CHECK(s.angle_deg > nudged + 0.05);
+    static const struct {
+        uint32_t pulse_ns;
+        bool moves;
+    } cases[] = {{1699100, false}, {1700900, false}, {1698900, true}, {1701100, true}};
+    for (unsigned i = 0; i < 4U; i++) {
+        struct pwm_servo s = new_servo(18.0, 5); // where 1,700 us hold it
+        pwm_servo_set_pulse(&s, cases[i].pulse_ns);
+        run(&s, 500);
+        CHECK((s.angle_deg != 18.0) == cases[i].moves);
+        CHECK(near(s.angle_deg, 18.0, 0.099));
+    }
 }
 
 static void bad_pulses_are_ignored(void) {
