@@ -161,6 +161,14 @@ bool can_bus_send(struct can_bus *bus, struct can_node *node, const struct can_f
     return true;
 }
 
+void can_bus_drop_queue(struct can_bus *bus, struct can_node *node) {
+    const bool under_way = bus->busy && bus->current.sender == node->index;
+    if (under_way) {
+        bus->current.fate = CAN_LOST;
+    }
+    node->count = under_way ? 1 : 0;
+}
+
 static uint32_t random_u32(uint64_t *state) {
     uint64_t x = *state;
     x ^= x >> 12;

@@ -9,7 +9,7 @@
 ///
 /// One step is a millisecond. Only + - * / : the same bits with every compiler.
 /// Not modelled: load dependent speed, gear play, jitter of the pulse itself.
-/// Cost: about 4 ns a step. Shown: tests/scenario/test_pwm_servo.c.
+/// Cost: about 8 ns a step (tests/property/plant_speed.c). Shown: tests/scenario/test_pwm_servo.c.
 ///
 /// Constants of pwm_servo_defaults: Savox SC-1258TG at 4.8 V, 0.10 s for 60 degrees (maker's table,
 /// quoted in public surveys of 2026; 0.08 s at 6.0 V). Assumed, where the table is silent: dead
