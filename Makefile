@@ -28,7 +28,7 @@ program_c := $(wildcard boards/linux/*.c)
 test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c)
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
-host_test_c := $(wildcard tests/contract/*.c tests/property/*.c tests/scenario/*.c)
+host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
 test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c)
 formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.h hal/*/*/*.h host-sim/*.h host-sim/*/*.h \

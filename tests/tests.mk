@@ -1,11 +1,12 @@
 # The tests, as the Makefile sees them. tests/README.md explains what each folder holds.
 
-# A unit test runs in all variants; the others where they say something new: once with gcc, and (contract
-# and scenario tests, which touch the most memory) once with the sanitizers.
+# A unit test runs in all variants; the others where they say something new: once with gcc, and (tests of
+# readers, contracts and scenarios, which touch the most memory) once with the sanitizers.
 test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(host_test_c:%.c=gcc/%) \
-    $(patsubst %.c,san/%,$(filter tests/contract/% tests/scenario/%,$(host_test_c))) \
-    $(test_scripts:%.sh=script/%)
+    $(patsubst %.c,san/%,$(filter tests/cli/% tests/contract/% tests/scenario/%,$(host_test_c))) \
+    $(test_scripts:%.sh=script/%) \
+    $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts)))
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check need-demo
@@ -19,6 +20,9 @@ $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE
 	@tests/run.sh $@ sh $<
+# The tests of the command line once more, on the program that the sanitizers watch.
+$(B)/check/script-san/%.log: %.sh $(B)/san/boresight FORCE
+	@tests/run.sh $@ env BORESIGHT=$(B)/san/boresight sh $<
 define variant_test
 $(B)/check/$(1)/%.log: $(B)/$(1)/% FORCE
 	@tests/run.sh $$@ $$<

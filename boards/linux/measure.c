@@ -19,7 +19,7 @@ static struct products multiply(struct vec3 axis_q30, struct vec3_i64 direction)
 }
 
 static long double to_long_double(struct i128 a) {
-    return (long double)(((int128)a.hi << 64) | a.lo);
+    return (long double)(int128)(((uint128)(uint64_t)a.hi << 64) | a.lo);
 }
 
 /// Each product is exact before it is rounded, so the angle is right to a few units of its own last
