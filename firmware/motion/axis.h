@@ -12,9 +12,9 @@
 
 #define AXIS_TURN_Q48 ((int64_t)1 << 48)
 
-/// Drops the turns.
+/// Drops the turns; rounded to nearest, half a BAM upward. Any position.
 static inline bam32_t axis_to_bam32(int64_t position_q48) {
-    return bam32((uint32_t)((uint64_t)(position_q48 + (1 << 15)) >> 16));
+    return bam32((uint32_t)(((uint64_t)position_q48 + (1U << 15)) >> 16));
 }
 
 static inline int64_t axis_from_bam(int32_t bam) {
@@ -24,8 +24,8 @@ static inline int64_t axis_from_bam(int32_t bam) {
 /// The position that shows `angle` and is reached from `from_q48` by the shortest way inside [min,
 /// max]; if the angle is not inside at any turn, the limit that is nearer to it round the circle.
 /// So a pan keeps counting through the seam at a half turn, and takes the long way round only where
-/// the cable asks for it. min <= max; from_q48 may be outside. Shown: tests/unit/test_axis.c
-/// (against a search of all turns).
+/// the cable asks for it. min <= max, both within 32,767 turns of 0; from_q48: any. Shown:
+/// tests/unit/test_axis.c (against a search of all turns).
 int64_t axis_unwrap(bam32_t angle, int64_t from_q48, int64_t min_q48, int64_t max_q48);
 
 #endif

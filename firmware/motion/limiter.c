@@ -2,6 +2,9 @@
 
 #include "fixed/root.h"
 
+/// What lies beyond is as good as this, far outside any limits; sums with it don't overflow.
+#define GOAL_Q48_MAX (INT64_C(1) << 60)
+
 static int64_t clamp(int64_t value, int64_t low, int64_t high) {
     return value < low ? low : (value > high ? high : value);
 }
@@ -16,6 +19,7 @@ void limiter_reset(struct limiter *limiter, const struct limiter_config *config,
     }
     limiter->recent_sum_q48 = position_q48 * (int64_t)config->smooth_ticks;
     limiter->recent_next = 0;
+    limiter->still_ticks = config->smooth_ticks;
     limiter->output_q48 = position_q48;
     limiter->output_speed_q48 = 0;
 }
@@ -62,6 +66,10 @@ static int64_t advance(struct limiter *limiter, int64_t wanted_speed_q48) {
     speed = keep_inside(limiter, clamp(speed, -most, most));
     limiter->speed_q48 = speed;
     limiter->position_q48 += speed;
+    limiter->still_ticks = speed != 0 ? 0U : limiter->still_ticks + 1U;
+    if (limiter->still_ticks > config->smooth_ticks) {
+        limiter->still_ticks = config->smooth_ticks;
+    }
 
     int64_t *oldest = &limiter->recent_q48[limiter->recent_next];
     limiter->recent_sum_q48 += limiter->position_q48 - *oldest;
@@ -78,9 +86,9 @@ int64_t limiter_follow(struct limiter *limiter, int64_t goal_q48, int64_t goal_r
     const int64_t rate = clamp(goal_rate_q48, -config->speed_max_q48, config->speed_max_q48);
     // The mean lags by half of its length; lead the goal by as much.
     const int64_t lead = rate * (int64_t)(config->smooth_ticks - 1U) / 2;
-    const int64_t goal = clamp(goal_q48 + lead, config->min_q48, config->max_q48);
-    const bool goal_at_limit = goal != goal_q48 + lead;
-    const int64_t own_speed = goal_at_limit ? 0 : rate;
+    const int64_t ahead = clamp(goal_q48, -GOAL_Q48_MAX, GOAL_Q48_MAX) + lead;
+    const int64_t goal = clamp(ahead, config->min_q48, config->max_q48);
+    const int64_t own_speed = goal == ahead ? rate : 0; // a limit does not move
     const int64_t distance = goal - limiter->position_q48;
     return advance(limiter,
                    own_speed + approach_speed(distance - own_speed, config->accel_max_q48));
@@ -91,7 +99,5 @@ int64_t limiter_stop(struct limiter *limiter) {
 }
 
 bool limiter_at_rest(const struct limiter *limiter) {
-    // The first stage at rest and the mean caught up with it.
-    return limiter->speed_q48 == 0 && limiter->output_q48 == limiter->position_q48 &&
-           limiter->output_speed_q48 == 0;
+    return limiter->still_ticks == limiter->config->smooth_ticks;
 }

@@ -78,15 +78,14 @@ static enum target_status see_position(const struct target_set *set,
         return TARGET_ERROR_RANGE;
     }
     const struct vec3_i64 offset = vec3_i64_sub(position, set->viewpoint_um);
-    const uint64_t distance = vec3_i64_length(offset), radius = update->radius_um;
-    if (distance <= radius) { // also a position at the viewpoint: distance 0
+    // The cone that touches the sphere: opposite side radius, adjacent side the tangent,
+    // sqrt(distance^2 - radius^2). A position at the viewpoint has a square of zero, too.
+    const uint64_t radius = update->radius_um;
+    const struct i128 tangent2 =
+        i128_sub(vec3_i64_dot(offset, offset), (struct i128){radius * radius, 0});
+    if (i128_sign(tangent2) <= 0) {
         return TARGET_ERROR_VIEWPOINT;
     }
-    // The cone that touches the sphere: opposite side radius, adjacent side sqrt(distance^2 -
-    // radius^2).
-    const struct u128 distance2 = u128_mul(distance, distance);
-    const struct i128 tangent2 = i128_sub((struct i128){distance2.lo, (int64_t)distance2.hi},
-                                          (struct i128){radius * radius, 0});
     const uint64_t tangent = root_u128((struct u128){tangent2.lo, (uint64_t)tangent2.hi});
     *seen_q30 = vec3_i64_normalise(offset);
     *radius_bam32 = radius == 0U ? 0U : trig_atan2((int64_t)radius, (int64_t)tangent).bam + 1U;

@@ -1,0 +1,166 @@
+/// firmware/aim/framing: which targets are framed, and what their radii do. The cone itself has its
+/// own tests; the widening at random radii is in tests/property/framing_radii.c.
+#include "check.h"
+
+#include "aim/framing.h"
+
+#define DEGREES_45 UINT32_C(0x20000000)
+
+static struct target_set set;
+static struct framing_workspace workspace;
+static struct framing framing;
+
+static void start(void) {
+    target_set_init(&set, (struct vec3_i64){0, 0, 0}, 0);
+    for (unsigned i = 0; i < TARGET_CAPACITY; i++) {
+        workspace.direction_q30[i] = vec3(-1, -1, -1);
+    }
+    framing = (struct framing){.status = FRAMING_OK, .framed_count = 77};
+}
+
+static void add(uint32_t id, int32_t x, int32_t y, int32_t z, uint32_t weight_q16,
+                uint32_t radius_bam32) {
+    const struct target_update update = {.kind = TARGET_DIRECTION,
+                                         .id = id,
+                                         .weight_q16 = weight_q16,
+                                         .direction = {x, y, z},
+                                         .radius_bam32 = radius_bam32};
+    CHECK_EQ(target_set_apply(&set, &update, 0), TARGET_OK);
+}
+
+/// Solves; the status is told twice.
+static enum framing_status solve(void) {
+    const enum framing_status status = framing_solve(&set, &workspace, &framing);
+    CHECK_EQ(framing.status, status);
+    return status;
+}
+
+static void nothing_to_frame(void) {
+    start();
+    CHECK_EQ(solve(), FRAMING_EMPTY);
+    CHECK_EQ(framing.framed_count, 0);
+    add(1, 1, 0, 0, 0, 0);
+    add(2, -1, 0, 0, 0, 500);
+    CHECK_EQ(solve(), FRAMING_EMPTY);
+    CHECK_EQ(framing.framed_count, 0);
+}
+
+static void one_target(void) {
+    start();
+    add(1, 0, 5, 0, 1, 0);
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK(vec3_equal(framing.ahead_q30, vec3(0, Q30_ONE, 0)));
+    CHECK_NEAR(framing.half_angle_bam32.bam, 1, 1);
+    CHECK_EQ(framing.framed_count, 1);
+    add(1, 0, 5, 0, 1, DEGREES_45);
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_NEAR(framing.half_angle_bam32.bam, DEGREES_45 + 1U, 1);
+    CHECK(framing.half_angle_bam32.bam >= DEGREES_45);
+}
+
+static void two_targets(void) {
+    start();
+    add(1, 1, 0, 0, 1, 0);
+    add(2, 0, 1, 0, UINT32_MAX, 0); // any positive weight counts alike
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_NEAR(framing.ahead_q30.x, 759250125, 1);
+    CHECK_NEAR(framing.ahead_q30.y, 759250125, 1);
+    CHECK_EQ(framing.ahead_q30.z, 0);
+    CHECK_NEAR(framing.half_angle_bam32.bam, DEGREES_45 + 1U, 1);
+    CHECK(framing.half_angle_bam32.bam >= DEGREES_45);
+}
+
+/// The axis is that of the centres, and only the widest rim counts.
+static void radii_widen_and_do_not_turn(void) {
+    start();
+    add(1, 1, 0, 0, 1, 0);
+    add(2, 0, 1, 0, 1, 1000000);
+    add(3, 1, 1, 0, 1, DEGREES_45 + 2000000U); // in the middle, reaching farther than the others
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_NEAR(framing.ahead_q30.x, framing.ahead_q30.y, 1);
+    CHECK_NEAR(framing.half_angle_bam32.bam, DEGREES_45 + 2000002U, 2);
+    add(3, 1, 1, 0, 1, DEGREES_45 + 500000U);
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_NEAR(framing.half_angle_bam32.bam, DEGREES_45 + 1000002U, 2);
+}
+
+static void weight_0_is_kept_but_not_framed(void) {
+    start();
+    add(1, 0, 0, -1, 0, BAM32_QUARTER - 1U);
+    add(2, 1, 0, 0, 1, 0);
+    add(3, 0, 0, 1, 0, 0);
+    add(4, 0, 1, 0, 1, 0);
+    CHECK_EQ(solve(), FRAMING_OK); // with the others it would be infeasible
+    CHECK_EQ(framing.framed_count, 2);
+    CHECK_NEAR(framing.half_angle_bam32.bam, DEGREES_45 + 1U, 1);
+    CHECK_EQ(set.count, 4);
+    add(1, 0, 0, -1, 1, 0);
+    add(3, 0, 0, 1, 1, 0);
+    CHECK_EQ(solve(), FRAMING_INFEASIBLE);
+    CHECK_EQ(framing.framed_count, 4);
+    add(3, 0, 0, 1, 0, 0);
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_EQ(framing.framed_count, 3);
+}
+
+static void infeasible(void) {
+    start();
+    add(1, 1, 0, 0, 1, 0);
+    add(2, -1, 0, 0, 1, 0);
+    CHECK_EQ(solve(), FRAMING_INFEASIBLE);
+    CHECK_EQ(framing.framed_count, 2);
+    start();
+    add(1, 2, 0, 1, 1, 0);
+    add(2, -1, 2, 1, 1, 0);
+    add(3, -1, -2, 1, 1, 0);
+    CHECK_EQ(solve(), FRAMING_OK);
+    add(4, 0, 0, -1, 1, 0);
+    CHECK_EQ(solve(), FRAMING_INFEASIBLE);
+}
+
+/// Radii never make a set infeasible: the cone only gets wider, to a half turn at most.
+static void wide_radii(void) {
+    start();
+    add(1, 1000, 0, 1, 1, BAM32_QUARTER - 1U);
+    add(2, -1000, 0, 1, 1, BAM32_QUARTER - 1U);
+    CHECK_EQ(solve(), FRAMING_OK);
+    // 90 degrees - 1 mrad + 90 degrees: just below the half turn.
+    CHECK_NEAR(framing.half_angle_bam32.bam, BAM32_HALF - 683565U, 1000);
+    // Angle, radius and their roundings come to more than a half turn: cut off there.
+    start();
+    const struct target_update inside = {.kind = TARGET_POSITION,
+                                         .id = 1,
+                                         .weight_q16 = 1,
+                                         .position_um = {UINT32_MAX, 1, 0},
+                                         .radius_um = UINT32_MAX};
+    CHECK_EQ(target_set_apply(&set, &inside, 0), TARGET_OK);
+    CHECK(set.target[0].radius_bam32 > BAM32_QUARTER);
+    add(2, -INT32_MAX, 1, 0, 1, 0);
+    add(3, -INT32_MAX, 2, 0, 1, 0);
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK(framing.half_angle_bam32.bam <= BAM32_HALF);
+    CHECK(framing.half_angle_bam32.bam > BAM32_HALF - 4U);
+}
+
+static void a_full_set(void) {
+    start();
+    for (uint32_t i = 0; i < TARGET_CAPACITY; i++) { // every second one off to the side, weight 0
+        add(i, i % 2U == 0U ? (int32_t)i - 100 : 100000, 1000, 0, i % 2U == 0U ? 1U : 0U, 0);
+    }
+    CHECK_EQ(solve(), FRAMING_OK);
+    CHECK_EQ(framing.framed_count, 128);
+    // From atan(-0.1) to atan(0.154): half of 14.4653 degrees.
+    CHECK_NEAR(framing.half_angle_bam32.bam, 86289000, 1000);
+}
+
+int main(void) {
+    TEST(nothing_to_frame);
+    TEST(one_target);
+    TEST(two_targets);
+    TEST(radii_widen_and_do_not_turn);
+    TEST(weight_0_is_kept_but_not_framed);
+    TEST(infeasible);
+    TEST(wide_radii);
+    TEST(a_full_set);
+    return check_finish();
+}
