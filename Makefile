@@ -121,6 +121,17 @@ include tests/tests.mk
 
 # ---------------------------------------------------------------- targets
 .PHONY: all help demo check lint format size install uninstall clean
+scenarios := host-sim/scenarios
+demo: ## Run the main job in the simulator: ten constellations, then a group of pedestrians
+	.ci/need demo
+	$(MAKE) --no-print-directory demo-run
+
+.PHONY: demo-run
+demo-run: $(B)/boresight
+	$(B)/boresight sim $(scenarios)/stars.ini $(scenarios)/pedestrians.ini --report $(B)/demo
+	echo
+	echo 'The report, with plots and pictures: $(B)/demo/report.html'
+
 lint: ## Check layers, layout and lengths
 	sh tests/gate/layers.sh
 	sh tests/gate/style.sh

@@ -46,6 +46,23 @@ static bool build_axis(struct sim *sim, unsigned axis) {
     return true;
 }
 
+/// A lens that does what the rig file says of it, on a servo with limits of its own.
+static void build_lens(struct sim *sim) {
+    const struct controller_config *controller = sim->config.controller;
+    const struct drive_config *drive = &controller->axis[AXIS_ZOOM].drive;
+    struct zoom_lens_config lens = zoom_lens_defaults();
+    if (drive->kind == DRIVE_PWM) {
+        const double centre_ns = lens.servo.pulse_ns_centre;
+        lens.wide_deg = (drive->pwm.low_pulse_ns - centre_ns) * 1e-3 * lens.servo.deg_per_us;
+        lens.tele_deg = (drive->pwm.high_pulse_ns - centre_ns) * 1e-3 * lens.servo.deg_per_us;
+        for (unsigned i = 0; i < ZOOM_LENS_POINTS; i++) {
+            const int64_t position_q48 = AXIS_TURN_Q48 / (ZOOM_LENS_POINTS - 1) * i;
+            lens.focal_mm[i] = lens_focal_at_um(&controller->lens, position_q48) / 1000.0;
+        }
+    }
+    zoom_lens_init(&sim->lens, &lens, 0, derive_seed(sim->config.seed, 3));
+}
+
 struct sim *sim_create(const struct sim_config *config) {
     struct sim *sim = calloc(1, sizeof *sim);
     if (sim == NULL) {
@@ -58,8 +75,7 @@ struct sim *sim_create(const struct sim_config *config) {
     can_bus_set_loss(&sim->bus, config->can_loss);
     sim->bus.observer = observe_frame;
     sim->bus.observer_context = sim;
-    const struct zoom_lens_config lens = zoom_lens_defaults();
-    zoom_lens_init(&sim->lens, &lens, 0, derive_seed(config->seed, 3));
+    build_lens(sim);
     // Two memories with different garbage: what a controller reads before it writes shows up as a
     // difference.
     memset(&sim->controller, 0x00, sizeof sim->controller);

@@ -96,7 +96,7 @@ struct sim_measure {
     struct framing_workspace workspace;
     uint32_t framed_version;
     bool settled, timing;
-    uint64_t aim_changed_us;
+    uint64_t aim_changed_us, settled_us;
     double settle_sum_s;
     uint64_t settle_count;
     double *errors_deg;

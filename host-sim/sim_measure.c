@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SETTLED_DEG 0.1
-#define JUMP_DEG    5.0
+#define SETTLED_DEG     0.25
+#define STEADY_AFTER_US 500000U
+#define JUMP_DEG        5.0
 
 static double degrees_of(bam32_t angle) {
     return (double)angle.bam * (360.0 / 4294967296.0);
@@ -117,10 +118,11 @@ void sim_measure_step(struct sim *sim) {
     if (measure->timing && view.error_deg < SETTLED_DEG) {
         measure->timing = false;
         measure->settled = true;
+        measure->settled_us = sim->time_us;
         measure->settle_sum_s += (double)(sim->time_us - measure->aim_changed_us) * 1e-6;
         measure->settle_count++;
     }
-    if (measure->settled) {
+    if (measure->settled && sim->time_us - measure->settled_us >= STEADY_AFTER_US) {
         record_error(measure, view.error_deg);
     }
     for (uint32_t i = 0; i < measure->truth.count; i++) {

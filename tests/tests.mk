@@ -9,11 +9,9 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts)))
 logs := $(test_runs:%=$(B)/check/%.log)
 
-.PHONY: need-check need-demo
+.PHONY: need-check
 need-check:
 	@.ci/need check
-need-demo:
-	@.ci/need demo
 
 $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 

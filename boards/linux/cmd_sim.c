@@ -18,11 +18,14 @@ extern const char build_id[];
 
 struct settings {
     uint64_t seed;
-    const char *seconds, *speed, *report;
+    const char *seconds_text, *speed_text, *report;
+    double seconds, speed; ///< speed 0: as fast as it goes
     bool has_seed, json, quiet;
 };
 
-/// A chapter of a report in progress.
+enum { RUNS_MOST = 16 };
+
+/// A scenario, and its chapter of the report.
 struct run {
     struct scenario scenario;
     struct sim *sim;
@@ -41,9 +44,9 @@ static const struct option options[] = {
     {"--seed", "N", "seed of everything random (default: the scenario's)", option_seed,
      offsetof(struct settings, seed), NULL},
     {"--seconds", "S", "how long (default: the scenario's)", option_text,
-     offsetof(struct settings, seconds), NULL},
+     offsetof(struct settings, seconds_text), NULL},
     {"--speed", "X|max", "times as fast as the clock, or as fast as it goes (default: max)",
-     option_text, offsetof(struct settings, speed), NULL},
+     option_text, offsetof(struct settings, speed_text), NULL},
     {"--report", "DIR", "write DIR/report.html with plots and pictures", option_text,
      offsetof(struct settings, report), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
@@ -144,88 +147,120 @@ static void print_summary(const struct settings *settings, const struct run *run
     facts_end(&facts);
 }
 
-static enum exit_status finish(const struct command *command, const struct settings *settings,
-                               struct run *run) {
+/// Prints what the run gave; a violated invariant is a failure.
+static enum exit_status conclude(const struct command *command, const struct settings *settings,
+                                 struct run *run) {
     const struct sim_summary summary = sim_summarise(run->sim);
-    enum exit_status status = EXIT_STATUS_OK;
-    if (settings->report != NULL) {
-        add_facts(run, &summary);
-        char path[4096];
-        snprintf(path, sizeof path, "%s/report.html", settings->report);
-        const struct report *chapter = &run->story.report;
-        if (!run->story.complete) {
-            message_command(command->name, "no memory for the whole report");
-            status = EXIT_STATUS_FAILURE;
-        } else if (!make_folder(settings->report) || !report_write(&chapter, 1, path)) {
-            message_at(path, 0, "%s", strerror(errno));
-            status = EXIT_STATUS_FAILURE;
-        }
-    }
+    add_facts(run, &summary);
     print_summary(settings, run, &summary);
-    if (sim_violation_count(&summary.violations) != 0U) {
-        message_command(command->name, "invariant violated at %.3f s: %s",
-                        (double)summary.violations.first_us * 1e-6, summary.violations.first);
-        status = EXIT_STATUS_FAILURE;
+    if (sim_violation_count(&summary.violations) == 0U) {
+        return EXIT_STATUS_OK;
     }
-    return status;
+    message_command(command->name, "invariant violated at %.3f s: %s",
+                    (double)summary.violations.first_us * 1e-6, summary.violations.first);
+    return EXIT_STATUS_FAILURE;
 }
 
 static enum exit_status simulate(const struct command *command, const struct settings *settings,
-                                 double speed, struct run *run) {
+                                 const char *file, struct run *run) {
+    const enum exit_status status = scenario_read(file, &run->scenario);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    if (settings->seconds_text != NULL) {
+        run->scenario.duration_us = (uint64_t)(settings->seconds * 1e6);
+    }
+    if (settings->has_seed) {
+        run->scenario.sim.seed = settings->seed;
+    }
     run->sim = sim_create(&run->scenario.sim);
     if (run->sim == NULL || !story_begin(&run->story, run->sim, run->scenario.name, build_id,
                                          run->scenario.duration_us, settings->report != NULL)) {
         message_command(command->name, "no memory for the simulation");
         return EXIT_STATUS_FAILURE;
     }
-    run->story.tell = settings->quiet || settings->json ? NULL : tell_progress;
-    run_sim(run, speed);
-    return finish(command, settings, run);
+    if (!settings->quiet && !settings->json) {
+        fprintf(stderr, "%s\n", run->scenario.name);
+        run->story.tell = tell_progress;
+    }
+    run_sim(run, settings->speed);
+    return conclude(command, settings, run);
+}
+
+static enum exit_status write_report(const struct command *command, const char *folder,
+                                     const struct run *runs, size_t count) {
+    const struct report *chapters[RUNS_MOST];
+    char path[4096];
+    snprintf(path, sizeof path, "%s/report.html", folder);
+    for (size_t i = 0; i < count; i++) {
+        chapters[i] = &runs[i].story.report;
+        if (!runs[i].story.complete) {
+            message_command(command->name, "no memory for the whole report");
+            return EXIT_STATUS_FAILURE;
+        }
+    }
+    if (!make_folder(folder) || !report_write(chapters, count, path)) {
+        message_at(path, 0, "%s", strerror(errno));
+        return EXIT_STATUS_FAILURE;
+    }
+    return EXIT_STATUS_OK;
+}
+
+/// Runs the scenarios one after the other; stops at the first that fails.
+static enum exit_status simulate_all(const struct command *command, const struct settings *settings,
+                                     const char *const *files, size_t count) {
+    struct run *runs = calloc(count, sizeof *runs);
+    if (runs == NULL) {
+        message_command(command->name, "no memory");
+        return EXIT_STATUS_FAILURE;
+    }
+    enum exit_status status = EXIT_STATUS_OK;
+    size_t done = 0;
+    while (done < count && status == EXIT_STATUS_OK) {
+        status = simulate(command, settings, files[done], &runs[done]);
+        done++;
+    }
+    const bool all_ran = done == count && runs[count - 1U].sim != NULL;
+    if (settings->report != NULL &&
+        all_ran) { // also when an invariant was violated: it shows where
+        const enum exit_status written = write_report(command, settings->report, runs, count);
+        status = status == EXIT_STATUS_OK ? written : status;
+    }
+    for (size_t i = 0; i < done; i++) {
+        story_end(&runs[i].story);
+        sim_destroy(runs[i].sim);
+        scenario_free(&runs[i].scenario);
+    }
+    free(runs);
+    return status;
 }
 
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
-    const char *file = NULL;
-    size_t operands;
+    const char *files[RUNS_MOST];
+    size_t count;
     if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands)) {
+                      files, RUNS_MOST, &count)) {
         return EXIT_STATUS_USAGE;
     }
-    double seconds = 0.0, speed = 0.0;
-    const bool as_fast_as_it_goes = settings.speed == NULL || strcmp(settings.speed, "max") == 0;
-    if (operands == 0U) {
+    if (count == 0U) {
         message_command(command->name, "which scenario? give its file");
         return EXIT_STATUS_USAGE;
     }
-    if ((settings.seconds != NULL &&
-         !option_positive(command->name, "--seconds", settings.seconds, &seconds)) ||
-        (!as_fast_as_it_goes &&
-         !option_positive(command->name, "--speed", settings.speed, &speed))) {
+    const bool limited = settings.speed_text != NULL && strcmp(settings.speed_text, "max") != 0;
+    if ((settings.seconds_text != NULL &&
+         !option_positive(command->name, "--seconds", settings.seconds_text, &settings.seconds)) ||
+        (limited &&
+         !option_positive(command->name, "--speed", settings.speed_text, &settings.speed))) {
         return EXIT_STATUS_USAGE;
     }
-    struct run *run = calloc(1, sizeof *run);
-    if (run == NULL) {
-        message_command(command->name, "no memory");
-        return EXIT_STATUS_FAILURE;
-    }
-    enum exit_status status = scenario_read(file, &run->scenario);
-    if (status == EXIT_STATUS_OK) {
-        run->scenario.duration_us =
-            settings.seconds != NULL ? (uint64_t)(seconds * 1e6) : run->scenario.duration_us;
-        run->scenario.sim.seed = settings.has_seed ? settings.seed : run->scenario.sim.seed;
-        status = simulate(command, &settings, speed, run);
-    }
-    story_end(&run->story);
-    sim_destroy(run->sim);
-    scenario_free(&run->scenario);
-    free(run);
-    return status;
+    return simulate_all(command, &settings, files, count);
 }
 
 const struct command command_sim = {
     .name = "sim",
     .summary = "run a scenario in the simulator",
-    .operands = "SCENARIO.ini",
+    .operands = "SCENARIO.ini...",
     .help =
         "Runs the firmware's controller on a simulated gimbal, in virtual time, and prints a\n"
         "summary. The same seed gives the same trace hash. Exit status 1: an invariant of\n"

@@ -59,6 +59,12 @@ static int64_t keep_inside(const struct limiter *limiter, int64_t speed_q48) {
     return speed_q48 > -most ? speed_q48 : -most;
 }
 
+/// Rounds down also below zero: with C's rounding toward zero the mean would stumble when it
+/// crosses it.
+static int64_t floor_divide(int64_t a, int64_t b) {
+    return a / b - (a % b < 0 ? 1 : 0);
+}
+
 static int64_t advance(struct limiter *limiter, int64_t wanted_speed_q48) {
     const struct limiter_config *config = limiter->config;
     const int64_t most = config->speed_max_q48, step = config->accel_max_q48;
@@ -75,7 +81,7 @@ static int64_t advance(struct limiter *limiter, int64_t wanted_speed_q48) {
     limiter->recent_sum_q48 += limiter->position_q48 - *oldest;
     *oldest = limiter->position_q48;
     limiter->recent_next = (limiter->recent_next + 1U) % config->smooth_ticks;
-    const int64_t output = limiter->recent_sum_q48 / (int64_t)config->smooth_ticks;
+    const int64_t output = floor_divide(limiter->recent_sum_q48, (int64_t)config->smooth_ticks);
     limiter->output_speed_q48 = output - limiter->output_q48;
     limiter->output_q48 = output;
     return output;
