@@ -27,18 +27,18 @@ struct mount_joints {
     bam32_t pan, tilt; ///< tilt within a quarter turn of 0
 };
 
-/// Accuracy of the axes: 2 ulp a component (tests/unit/test_mount.c).
+/// Accuracy of the axes: 3 ulp a component (tests/property/mount.c).
 void mount_init(struct mount *mount, struct mount_attitude attitude);
 
 /// Joint angles that look along a world direction (unit, Q1.30), with tilt in [-90, 90] degrees.
 /// Returns: false if the direction is within 2^-24 rad of the pan axis, where pan is undefined: the
 /// caller keeps its
 ///          pan, and joints->pan is 0.
-/// Accuracy: 4 nrad of direction (tests/unit/test_mount.c).
+/// Accuracy: 4 nrad of direction, against the exact attitude (tests/property/mount.c).
 bool mount_solve(const struct mount *mount, struct vec3 direction_q30, struct mount_joints *joints);
 
 /// The world direction in which the camera looks at these joint angles, unit, Q1.30. Accuracy: 4
-/// ulp a component.
+/// ulp a component, against the exact attitude (tests/property/mount.c).
 struct vec3 mount_direction(const struct mount *mount, struct mount_joints joints);
 
 #endif
