@@ -15,6 +15,8 @@ need-check:
 
 $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 
+$(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
+
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE
 	@tests/run.sh $@ sh $<

@@ -113,14 +113,37 @@ uint64_t vec3_i64_length(struct vec3_i64 a) {
     return root_u128(norm2_i64(a));
 }
 
-/// size * 2^30 / length rounded as the header says; size <= length + 1, length >= 2^61.
-static int32_t round_component(int64_t component, uint64_t length) {
-    const uint64_t size = u64_abs(component);
+static struct i128 square_i64(int64_t a) {
+    return i128_mul(a, a);
+}
+
+/// Is |component| / |a| * 2^30 below candidate - 1/2? Exact, from the squares of both sides times
+/// 2 |a|, which are below 2^191. candidate: at most 2^30 + 1.
+static bool rounds_below_i64(int64_t component, struct vec3_i64 a, uint64_t candidate) {
+    const uint64_t odd = 2U * candidate - 1U; // below 2^32
+    const struct i128 odd2 = {odd * odd, 0};
+    const struct i256 right =
+        i256_add(i256_add(i256_mul(square_i64(a.x), odd2), i256_mul(square_i64(a.y), odd2)),
+                 i256_mul(square_i64(a.z), odd2));
+    const struct i256 left = i256_mul(square_i64(component), (struct i128){UINT64_C(1) << 62, 0});
+    return i256_sign(i256_sub(left, right)) < 0;
+}
+
+/// component / |a| * 2^30, correctly rounded, from the component and the length of a scaled vector:
+/// size <= length + 1, length >= 2^61.
+static int32_t round_component(int64_t component, struct vec3_i64 a, uint64_t size,
+                               uint64_t length) {
     uint64_t rest;
+    // Good to one unit of 2^-24, mostly from the rounding down.
     const uint64_t fine = u128_div_u64(u128_shift_left((struct u128){size, 0}, 54U), length, &rest);
-    const uint64_t half_and_window = (UINT64_C(1) << 23) + 16U;
-    const int32_t rounded = (int32_t)((fine + half_and_window) >> 24);
-    return component < 0 ? -rounded : rounded;
+    const uint64_t half = UINT64_C(1) << 23, fraction = fine & (2U * half - 1U);
+    uint64_t rounded = fine >> 24;
+    if (fraction >= half - 8U && fraction <= half + 8U) { // too close to a tie to tell
+        rounded += rounds_below_i64(component, a, rounded + 1U) ? 0U : 1U;
+    } else {
+        rounded += fraction > half ? 1U : 0U;
+    }
+    return component < 0 ? -(int32_t)rounded : (int32_t)rounded;
 }
 
 struct vec3 vec3_i64_normalise(struct vec3_i64 a) {
@@ -142,6 +165,7 @@ struct vec3 vec3_i64_normalise(struct vec3_i64 a) {
         scaled.z = a.z / ((int64_t)1 << shift);
     }
     const uint64_t length = vec3_i64_length(scaled);
-    return vec3(round_component(scaled.x, length), round_component(scaled.y, length),
-                round_component(scaled.z, length));
+    return vec3(round_component(a.x, a, u64_abs(scaled.x), length),
+                round_component(a.y, a, u64_abs(scaled.y), length),
+                round_component(a.z, a, u64_abs(scaled.z), length));
 }

@@ -102,9 +102,7 @@ struct vec3 vec3_normalise(struct vec3 a);
 struct vec3_i64 vec3_normalise_q61(struct vec3 a);
 
 /// a / |a| in Q1.30 for any int64 vector but zero (which stays zero).
-/// Accuracy: 0.5 ulp + 2^-20 ulp; a component that close to a tie rounds away from zero, so that
-/// vectors of
-///           the same direction and different length give the same bits
+/// Accuracy: correctly rounded like vec3_normalise: the bits depend on the direction only
 ///           (tests/property/fixed_vectors.c).
 struct vec3 vec3_i64_normalise(struct vec3_i64 a);
 

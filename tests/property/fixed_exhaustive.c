@@ -22,9 +22,9 @@
 #define OCTANT         (UINT32_C(1) << 29)
 
 // What the headers claim.
-#define SINCOS_ULP_MAX     0.501
-#define ATAN2_BAM_MAX      0.501
-#define ATAN2_TURN_RAD_MAX 0x1p-54
+#define SINCOS_ULP_MAX     0.5001
+#define ATAN2_BAM_MAX      0.5001
+#define ATAN2_TURN_RAD_MAX 0x1p-55
 
 static uint64_t seed;
 static bool exhaustive;
