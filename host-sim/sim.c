@@ -82,11 +82,10 @@ struct sim *sim_create(const struct sim_config *config) {
     memset(&sim->shadow, 0xA5, sizeof sim->shadow);
     (void)controller_init(&sim->controller, config->controller);
     (void)controller_init(&sim->shadow, config->controller);
-    const struct pump_devices devices = {&sim->clock, &sim->can, &sim->pwm};
-    const bool built =
-        can_bus_attach(&sim->bus, &sim->node, can_rx_queue_receive, &sim->received) &&
-        build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT) && sim_hal_bind(sim) &&
-        pump_init(&sim->pump, &sim->controller, &devices);
+    const struct pump_devices devices = {&sim->clock, &sim->node.hal, &sim->pwm};
+    const bool built = bus_node_hal_init(&sim->node, &sim->bus, config->start_us) &&
+                       build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT) &&
+                       sim_hal_bind(sim) && pump_init(&sim->pump, &sim->controller, &devices);
     sim_check_init(sim);
     sim_measure_init(sim);
     if (!built) {

@@ -9,6 +9,7 @@
 #define SIM_H
 
 #include "app/pump.h"
+#include "devices/bus_node_hal.h"
 #include "devices/can_bus.h"
 #include "devices/pwm_servo.h"
 #include "devices/rmd_drive.h"
@@ -123,11 +124,9 @@ struct sim {
     struct controller_output shadow_output;
     struct pump pump;
     struct hal_clock clock;
-    struct hal_can can;
     struct hal_pwm pwm;
     struct can_bus bus;
-    struct can_node node;
-    struct can_rx_queue received;
+    struct bus_node_hal node; ///< the controller's end of the bus
     struct sim_axis axis[2];
     struct zoom_lens lens;
     uint32_t pulse_ns[SIM_PWM_CHANNELS]; ///< as the PWM channels give them

@@ -163,7 +163,7 @@ void sim_check_frame(struct sim *sim, const struct can_transfer *transfer) {
     const uint8_t command = transfer->frame.data[0];
     const bool motion =
         command == 0xA1 || command == 0xA2 || command == 0xA4 || command == 0xA6 || command == 0xA8;
-    if (transfer->sender == sim->node.index && motion && !may_move(sim)) {
+    if (transfer->sender == sim->node.node.index && motion && !may_move(sim)) {
         violate(sim, SIM_I4_UNARMED_MOTION, "frame %03X %02X in mode %s", transfer->frame.id,
                 command, controller_mode_name(sim->controller.mode));
     }

@@ -4,7 +4,7 @@
 
 #include "sim.h"
 
-/// The HAL of the simulator: virtual clock, a node of the bus, pulse channels.
+/// The HAL of the simulator: virtual clock and pulse channels (the bus has devices/bus_node_hal.h).
 bool sim_hal_bind(struct sim *sim);
 
 /// True joint angle of pan or tilt.

@@ -97,8 +97,7 @@ static int64_t mean_of_past(void) {
     }
     whole += rest / count;
     rest %= count;
-    // Toward zero, as the division of the sum is.
-    return whole + (whole > 0 && rest < 0 ? -1 : (whole < 0 && rest > 0 ? 1 : 0));
+    return whole - (rest < 0 ? 1 : 0); // rounded down on both sides of zero
 }
 
 static bool is_inside(int64_t position) {
