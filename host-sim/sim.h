@@ -88,6 +88,7 @@ struct sim_axis {
 struct sim_axis_check {
     int64_t setpoint_q48, speed_q48, accel_q48;
     bool powered;
+    uint32_t restarts;
     uint32_t ticks; ///< since it was powered, up to 3: how many differences mean something
 };
 
@@ -156,6 +157,9 @@ bool sim_push(struct sim *sim, const struct target_update *update);
 
 /// What a camera on the gimbal sees at this moment: the truth, which the controller does not know.
 struct sim_view sim_observe(const struct sim *sim);
+
+/// True joint angle of pan or tilt.
+double sim_joint_deg(const struct sim *sim, unsigned axis);
 
 struct sim_summary sim_summarise(struct sim *sim);
 

@@ -7,9 +7,6 @@
 /// The HAL of the simulator: virtual clock and pulse channels (the bus has devices/bus_node_hal.h).
 bool sim_hal_bind(struct sim *sim);
 
-/// True joint angle of pan or tilt.
-double sim_joint_deg(const struct sim *sim, unsigned axis);
-
 void sim_check_init(struct sim *sim);
 /// After the controller's step: I1, I2, I4, I5, I9.
 void sim_check_step(struct sim *sim);

@@ -17,6 +17,8 @@ $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 
 $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/drive.log): $(foreach v,$(variants),$(B)/$(v)/boresight)
+
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE
 	@tests/run.sh $@ sh $<

@@ -164,22 +164,43 @@ enum exit_status ini_apply(struct ini *ini, const struct ini_schema *schema, voi
 
 // ---------------------------------------------------------------- explanation
 
+/// at: the section's index in the file; -1: it is not there, and all of its values are defaults.
+static void visit_section(const struct ini *ini, const struct ini_section *section, int64_t at,
+                          void (*see)(void *context, const struct ini_explained *value),
+                          void *context) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const struct ini_key *const key = &section->keys[k];
+        const struct ini_entry *const entry = at < 0 ? NULL : ini_find(ini, at, key->name);
+        const struct ini_explained value = {section, at < 0 ? "" : ini->sections[at].label, key,
+                                            entry != NULL ? entry->value : key->fallback,
+                                            entry != NULL ? entry->line : 0U};
+        see(context, &value);
+    }
+}
+
+static bool has_all_defaults(const struct ini_section *section) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        if (section->keys[k].fallback == NULL) {
+            return false;
+        }
+    }
+    return true;
+}
+
 void ini_visit(const struct ini *ini, const struct ini_schema *schema,
                void (*see)(void *context, const struct ini_explained *value), void *context) {
     for (size_t i = 0; i < schema->section_count; i++) {
         const struct ini_section *const section = &schema->sections[i];
+        bool found = false;
         for (uint32_t at = 0; at < ini->section_count; at++) {
-            if (strcmp(ini->sections[at].name, section->name) != 0) {
-                continue;
+            if (strcmp(ini->sections[at].name, section->name) == 0) {
+                visit_section(ini, section, at, see, context);
+                found = true;
             }
-            for (size_t k = 0; k < section->key_count; k++) {
-                const struct ini_key *const key = &section->keys[k];
-                const struct ini_entry *const entry = ini_find(ini, at, key->name);
-                const struct ini_explained value = {section, ini->sections[at].label, key,
-                                                    entry != NULL ? entry->value : key->fallback,
-                                                    entry != NULL ? entry->line : 0U};
-                see(context, &value);
-            }
+        }
+        // An absent section whose values all have defaults is in force all the same.
+        if (!found && section->presence == INI_OPTIONAL && has_all_defaults(section)) {
+            visit_section(ini, section, -1, see, context);
         }
     }
 }

@@ -87,7 +87,8 @@ struct ini_explained {
     unsigned long line; ///< 0: the default
 };
 
-/// Calls see for every value of every section that is there, in the schema's order.
+/// Calls see for every value that is in force, in the schema's order: of every section that is
+/// there, and of optional ones that are not but have defaults for everything.
 void ini_visit(const struct ini *ini, const struct ini_schema *schema,
                void (*see)(void *context, const struct ini_explained *value), void *context);
 

@@ -96,7 +96,7 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         to->drive.kind = DRIVE_PWM;
         return build_pwm(ini, name, from, &to->drive.pwm);
     }
-    // A little above our own limit, so that the drive's never shapes the motion.
+    // A little above our own limit: a drive that lags needs some speed to catch up.
     const double speed_dps = (double)from->speed_q48 * 360.0 / 281474976710656.0;
     to->drive.kind = DRIVE_RMD;
     to->drive.rmd = (struct drive_rmd_config){
@@ -104,7 +104,7 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         .reply_offset = from->dialect == 0 ? RMD_REPLY_OFFSET_V3 : RMD_REPLY_OFFSET_LK,
         .reversed = from->reversed,
         .zero_q48 = from->zero_q48,
-        .speed_max_dps = (uint16_t)(speed_dps * 1.25 + 1.0),
+        .speed_max_dps = (uint16_t)(speed_dps * 1.05 + 1.0),
         .watchdog_ms = (uint32_t)file->safety.watchdog_ms};
     return true;
 }

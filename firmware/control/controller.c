@@ -54,6 +54,7 @@ bool controller_init(struct controller *c, const struct controller_config *confi
         c->goal_rate_q48[axis] = 0;
         c->powered[axis] = c->ever_powered[axis] = false;
         c->following_since_us[axis] = 0;
+        c->restarts[axis] = 0;
     }
     tracker_reset(&c->tracker[AXIS_PAN]);
     tracker_reset(&c->tracker[AXIS_TILT]);
@@ -116,6 +117,13 @@ static void raise_fault(struct controller *c, enum controller_fault fault, unsig
     c->arm_wanted = false;
 }
 
+/// The setpoint begins anew, at rest, where the axis is.
+static void restart_axis(struct controller *c, unsigned axis, int64_t position_q48) {
+    limiter_reset(&c->limiter[axis], &c->config->axis[axis].limits, position_q48);
+    c->following_since_us[axis] = c->time_us;
+    c->restarts[axis]++;
+}
+
 /// Is the axis near its setpoint, or has been until a moment ago?
 static bool follows(struct controller *c, unsigned axis) {
     const struct drive *drive = &c->drive[axis];
@@ -147,8 +155,7 @@ static void check_powered_axis(struct controller *c, unsigned axis) {
     }
     if (!follows(c, axis)) {
         raise_fault(c, FAULT_FOLLOWING, axis);
-        limiter_reset(&c->limiter[axis], &c->config->axis[axis].limits, drive->position_q48);
-        c->following_since_us[axis] = c->time_us;
+        restart_axis(c, axis, drive->position_q48);
     }
 }
 
@@ -217,9 +224,8 @@ static void arm(struct controller *c) {
         } else if (!c->ever_powered[axis]) {
             c->settled_us = c->time_us + c->config->settle_us;
         }
-        limiter_reset(&c->limiter[axis], &c->config->axis[axis].limits, c->setpoint_q48[axis]);
+        restart_axis(c, axis, c->setpoint_q48[axis]);
         c->powered[axis] = c->ever_powered[axis] = true;
-        c->following_since_us[axis] = c->time_us;
     }
     tracker_reset(&c->tracker[AXIS_PAN]);
     tracker_reset(&c->tracker[AXIS_TILT]);

@@ -93,6 +93,7 @@ struct controller_axis_status {
     int64_t goal_q48;     ///< where the aim wants it
     int64_t measured_q48;
     bool measured_known;
+    uint32_t restarts; ///< how often the setpoint began anew from where the axis is
 };
 
 struct controller_status {
@@ -134,6 +135,7 @@ struct controller {
     int64_t setpoint_q48[AXIS_COUNT];
     bool powered[AXIS_COUNT]; ///< setpoints go out
     bool ever_powered[AXIS_COUNT];
+    uint32_t restarts[AXIS_COUNT];
     uint64_t following_since_us[AXIS_COUNT]; ///< last time the axis was near its setpoint
     uint64_t time_us, settled_us;
     uint32_t last_now_us, tick, late_ticks;

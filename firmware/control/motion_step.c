@@ -122,7 +122,8 @@ void controller_report(struct controller *c, struct controller_output *output) {
             (struct controller_axis_status){.setpoint_q48 = c->setpoint_q48[axis],
                                             .goal_q48 = c->goal_q48[axis],
                                             .measured_q48 = c->drive[axis].position_q48,
-                                            .measured_known = c->drive[axis].position_known};
+                                            .measured_known = c->drive[axis].position_known,
+                                            .restarts = c->restarts[axis]};
     }
     status->framing = c->framing;
     status->focal_um =
