@@ -11,7 +11,7 @@
 /// The drawing, in pixels. Panels lie between LEFT and RIGHT.
 #define WIDTH_PX     1000.0
 #define LEFT_PX      64.0
-#define RIGHT_PX     988.0
+#define RIGHT_PX     976.0
 #define TOP_PX       22.0 ///< the row of picture marks
 #define HEADING_PX   26.0 ///< above each panel
 #define PANEL_PX     116.0

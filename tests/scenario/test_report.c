@@ -313,7 +313,7 @@ static void a_single_sample_that_sticks_out_is_drawn(void) {
         }
         CHECK(foot - top > 80);
         for (int i = 0; i < SPIKE_COUNT; i++) {
-            double wanted_x = 64 + (988 - 64) * (i * 1000 + 137) / 59999.0;
+            double wanted_x = 64 + (976 - 64) * (i * 1000 + 137) / 59999.0;
             double height = (i % 2 == 0 ? 1 : -1) * (100.0 - (i * 1000 + 137) / 2000);
             double wanted_y = foot + (height + 100) / 200 * (top - foot);
             bool found = false;
@@ -386,7 +386,7 @@ static void the_briefest_mode_shows(void) {
     const char *data = publish_one(&report) ? path_data("mode6", 0) : NULL;
     for (int i = 0; i < 2 && CHECK(data != NULL); i++) {
         double x, y;
-        CHECK(next_point(&data, &x, &y) && x == floor(64 + 924 * faults[i] / 59999.0));
+        CHECK(next_point(&data, &x, &y) && x == floor(64 + 912 * faults[i] / 59999.0));
         data = strchr(data, 'M');
     }
     CHECK(path_data("mode3", 0) != NULL && path_data("mode2", 0) != NULL);
