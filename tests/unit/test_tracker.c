@@ -166,6 +166,17 @@ static void a_rate_is_believed_for_the_coast_time(void) {
     CHECK_EQ(tracker.position_q48, 100);
 }
 
+static void a_very_long_silence(void) {
+    const struct tracker_config config = {NEVER, 0, 10};
+    start();
+    tracker_update(&tracker, &config, 0);
+    tracker.age_ticks = UINT32_MAX;
+    advance(&config, 3);
+    CHECK_EQ(tracker.age_ticks, UINT32_MAX);
+    tracker_update(&tracker, &config, TURN);
+    CHECK_EQ(tracker.rate_q48, TURN / UINT32_MAX);
+}
+
 static void a_second_goal_in_one_tick_replaces_the_first(void) {
     const struct tracker_config config = {NEVER, HALF, 100};
     start();
@@ -229,6 +240,7 @@ int main(void) {
     TEST(ramps_are_followed_without_lag);
     TEST(jumps_are_new_goals_at_rest);
     TEST(a_rate_is_believed_for_the_coast_time);
+    TEST(a_very_long_silence);
     TEST(a_second_goal_in_one_tick_replaces_the_first);
     TEST(extremes);
     TEST(memory_quietens_noise);
