@@ -129,12 +129,14 @@ static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint6
         drive->temperature_c = reply->value.health.temperature_c;
         drive->asked |= RMD_KNOWS_HEALTH;
         break;
-    case RMD_REPLY_WATCHDOG:
-        drive->asked |= RMD_KNOWS_WATCHDOG;
+    case RMD_REPLY_WATCHDOG: // another value is the answer to somebody else, or was refused
+        drive->asked |= reply->value.watchdog_ms == config->watchdog_ms ? RMD_KNOWS_WATCHDOG : 0U;
         break;
     case RMD_REPLY_ACCEL:
-        drive->accel_plan_dps2 = reply->value.accel.accel_dps2;
-        drive->asked |= RMD_KNOWS_ACCEL;
+        if (reply->value.accel.index == RMD_ACCEL_POSITION) {
+            drive->accel_plan_dps2 = reply->value.accel.accel_dps2;
+            drive->asked |= RMD_KNOWS_ACCEL;
+        }
         break;
     case RMD_REPLY_ACK:
         drive->asked |= reply->command == RMD_LK_RUN ? RMD_RUNS : 0U;
