@@ -176,11 +176,12 @@ static void add_frame(struct drive_output *output, enum rmd_status status,
     }
 }
 
-/// The start-up questions in turn, one a cycle, until each is answered. They move nothing.
+/// The start-up questions in turn, one a cycle, until each is answered. They move nothing. LKTech
+/// drives know the first of them only.
 static void ask_next(const struct drive *drive, uint32_t cycle, struct drive_output *output) {
     const struct drive_rmd_config *config = &drive->config->rmd;
     struct can_frame frame;
-    switch (cycle % 4U) {
+    switch (speaks_lk(config) ? 0U : cycle % 4U) {
     case 0:
         add_frame(output, rmd_encode(config->id, RMD_READ_ANGLE, &frame), &frame);
         break;
