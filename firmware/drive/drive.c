@@ -2,6 +2,7 @@
 
 #include "drive/rmd.h"
 #include "fixed/q30.h"
+#include "fixed/wide.h"
 
 /// What an RMD drive is asked before its axis counts as homed: bits of drive.asked once answered.
 enum rmd_question {
@@ -232,16 +233,23 @@ static void tick_rmd(const struct drive *drive, uint32_t tick, bool powered, int
 
 // ---------------------------------------------------------------- pulse width
 
+/// Linear between the two points, rounded to nearest.
 static uint32_t pulse_for(const struct drive_pwm_config *config, int64_t position_q48) {
-    int64_t position = position_q48;
-    position = position < config->low_q48 ? config->low_q48 : position;
-    position = position > config->high_q48 ? config->high_q48 : position;
-    // Both differences to 2^-24 of a turn less: the product with a pulse in ns fits 64 bits.
-    const int64_t part = (position - config->low_q48) >> 24,
-                  whole = (config->high_q48 - config->low_q48) >> 24;
-    const int64_t rise = (int64_t)config->high_pulse_ns - (int64_t)config->low_pulse_ns;
-    const int64_t pulse = (int64_t)config->low_pulse_ns + rise * part / whole;
-    return (uint32_t)pulse;
+    if (position_q48 <= config->low_q48) {
+        return config->low_pulse_ns;
+    }
+    if (position_q48 >= config->high_q48) {
+        return config->high_pulse_ns;
+    }
+    const uint64_t part = (uint64_t)(position_q48 - config->low_q48),
+                   whole = (uint64_t)(config->high_q48 - config->low_q48);
+    const bool rises = config->high_pulse_ns > config->low_pulse_ns;
+    const uint32_t rise = rises ? config->high_pulse_ns - config->low_pulse_ns
+                                : config->low_pulse_ns - config->high_pulse_ns;
+    uint64_t rest;
+    const uint32_t way = (uint32_t)u128_div_u64(
+        u128_add(u128_mul(rise, part), (struct u128){whole / 2U, 0}), whole, &rest);
+    return rises ? config->low_pulse_ns + way : config->low_pulse_ns - way;
 }
 
 // ---------------------------------------------------------------- either
