@@ -103,32 +103,6 @@ struct orient_angles orient_pan_tilt(struct vec3 ahead_q30) {
 
 // ---------------------------------------------------------------- picture
 
-/// (pi/4)^n / n! for n = 1, 3, ... 19 and n = 0, 2, ... 18 in Q63.
-static const uint64_t sin_terms[] = {UINT64_C(0x6487ED5110B4611A), UINT64_C(0x0A55DE7312DF295F),
-                                     UINT64_C(0x00519AF19DD6AB87), UINT64_C(0x000132D2CCE62BD8),
-                                     UINT64_C(0x000002A0F0690FDD), UINT64_C(0x00000003C60E9FBD),
-                                     UINT64_C(0x0000000003D1E86A), UINT64_C(0x000000000002DF5B),
-                                     UINT64_C(0x00000000000001AB), UINT64_C(0x0000000000000001)};
-static const uint64_t cos_terms[] = {UINT64_C(0x8000000000000000), UINT64_C(0x277A79937C8BBCB5),
-                                     UINT64_C(0x020783E1036B5876), UINT64_C(0x000AAE9E3F1E5FFD),
-                                     UINT64_C(0x00001E1F506891BB), UINT64_C(0x00000034DA3E5441),
-                                     UINT64_C(0x000000003F3A7147), UINT64_C(0x000000000036DC4A),
-                                     UINT64_C(0x0000000000002419), UINT64_C(0x0000000000000013)};
-enum { TERMS = sizeof sin_terms / sizeof *sin_terms };
-
-static uint64_t mul_q63(uint64_t a, uint64_t b) {
-    return u64_mul_high(a, b) << 1;
-}
-
-/// terms[0] - t2 (terms[1] - t2 (terms[2] - ...)): an alternating series, each bracket positive.
-static uint64_t alternating_series(const uint64_t *terms, uint64_t t2_q63) {
-    uint64_t sum = terms[TERMS - 1];
-    for (unsigned i = TERMS - 1; i != 0U; i--) {
-        sum = terms[i - 1U] - mul_q63(t2_q63, sum);
-    }
-    return sum;
-}
-
 /// (hi * 2^64 + lo) / divisor to the nearest; the quotient must fit.
 static uint64_t divide_rounded(struct u128 dividend, uint64_t divisor) {
     uint64_t rest;
@@ -150,10 +124,9 @@ enum orient_image_status orient_image_of_cone(bam32_t half_angle_bam32, struct o
     // product x * s, x BAM of 2^29 in 45 degrees.
     const bool steep = half_angle_bam32.bam > BAM32_QUARTER / 2U;
     const uint32_t x = steep ? BAM32_QUARTER - half_angle_bam32.bam : half_angle_bam32.bam;
-    const uint64_t t_q63 = (uint64_t)x << 34, t2_q63 = mul_q63(t_q63, t_q63);
-    const uint64_t s_q63 = alternating_series(sin_terms, t2_q63);
-    const uint64_t cos_q63 = alternating_series(cos_terms, t2_q63);
-    const struct u128 sin_q92 = u128_mul(x, s_q63); // sin = x s / 2^29
+    const struct trig_octant octant = trig_octant(x);
+    const uint64_t cos_q63 = octant.cos_q63;
+    const struct u128 sin_q92 = u128_mul(x, octant.sin_by_t_q63); // sin = x s / 2^29
     if (!steep) {
         // sin / cos in Q32 is (sin_q92 * 2^3) / cos_q63.
         const struct u128 dividend = {sin_q92.lo << 3, (sin_q92.hi << 3) | (sin_q92.lo >> 61)};

@@ -55,8 +55,7 @@ struct orient_image {
 /// half_angle_bam32: read as 0 to 1 turn.
 /// Accuracy: within 1 unit of 2^-32 plus 2^-58 of the value; near 90 degrees the angle's own half
 ///           unit matters far more (tests/property/orient_reference.c).
-/// Cost:     25 products of 64 x 64 bits and two 128-by-64-bit divisions.
-/// Source:   Taylor series on the first octant; the first term left out is below 2^-65.
+/// Cost:     trig_octant and two 128-by-64-bit divisions.
 enum orient_image_status orient_image_of_cone(bam32_t half_angle_bam32,
                                               struct orient_image *out) MUST_CHECK;
 

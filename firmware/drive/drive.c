@@ -2,7 +2,7 @@
 
 #include "drive/rmd.h"
 #include "fixed/q30.h"
-#include "motion/axis.h"
+#include "fixed/wide.h"
 
 /// What an RMD drive is asked before its axis counts as homed: bits of drive.asked once answered.
 enum rmd_question {
@@ -33,17 +33,35 @@ int64_t drive_q48_from_cdeg(int64_t angle_cdeg) {
     return turns * AXIS_TURN_Q48 + ((rest << 43) + 562) / 1125;
 }
 
+static bool is_within(int64_t value, int64_t reach) {
+    return value >= -reach && value <= reach;
+}
+
+static bool rmd_config_valid(const struct drive_rmd_config *config) {
+    return config->id >= RMD_ID_MIN && config->id <= RMD_ID_MAX &&
+           (config->reply_offset == RMD_REPLY_OFFSET_V3 ||
+            config->reply_offset == RMD_REPLY_OFFSET_LK) &&
+           is_within(config->zero_q48, DRIVE_ZERO_Q48_MAX);
+}
+
+static bool pulse_valid(uint32_t pulse_ns) {
+    return pulse_ns != 0U && pulse_ns <= 20000000U;
+}
+
+static bool pwm_config_valid(const struct drive_pwm_config *config) {
+    return is_within(config->low_q48, DRIVE_POSITION_Q48_MAX) &&
+           is_within(config->high_q48, DRIVE_POSITION_Q48_MAX) &&
+           config->high_q48 - config->low_q48 >= (int64_t)1 << 24 &&
+           pulse_valid(config->low_pulse_ns) && pulse_valid(config->high_pulse_ns) &&
+           config->low_pulse_ns != config->high_pulse_ns;
+}
+
 bool drive_config_valid(const struct drive_config *config) {
     switch (config->kind) {
     case DRIVE_RMD:
-        return config->rmd.id >= RMD_ID_MIN && config->rmd.id <= RMD_ID_MAX &&
-               (config->rmd.reply_offset == RMD_REPLY_OFFSET_V3 ||
-                config->rmd.reply_offset == RMD_REPLY_OFFSET_LK);
+        return rmd_config_valid(&config->rmd);
     case DRIVE_PWM:
-        return config->pwm.high_q48 - config->pwm.low_q48 >= (int64_t)1 << 24 &&
-               config->pwm.low_pulse_ns != config->pwm.high_pulse_ns &&
-               config->pwm.low_pulse_ns != 0U && config->pwm.high_pulse_ns != 0U &&
-               config->pwm.low_pulse_ns <= 20000000U && config->pwm.high_pulse_ns <= 20000000U;
+        return pwm_config_valid(&config->pwm);
     default:
         return false;
     }
@@ -71,7 +89,7 @@ static bool speaks_lk(const struct drive_rmd_config *config) {
     return config->reply_offset == RMD_REPLY_OFFSET_LK;
 }
 
-/// q48 counts +-32,768 turns; a drive may claim more, but no gimbal has turned so far.
+/// So that no unit overflows on the way from the drive's angle to the axis position.
 #define RMD_ANGLE_CDEG_MAX (30000 * 36000)
 
 static int64_t axis_from_motor(const struct drive_rmd_config *config, int64_t motor_q48) {
@@ -83,16 +101,27 @@ static int64_t motor_from_axis(const struct drive_rmd_config *config, int64_t ax
     return (config->reversed ? -axis_q48 : axis_q48) + config->zero_q48;
 }
 
-static void take_reply(struct drive *drive, const struct rmd_reply *reply) {
+/// The axis position that an angle means. False if it is beyond belief.
+static bool position_from_cdeg(const struct drive_rmd_config *config, int32_t angle_cdeg,
+                               int64_t *position_q48) {
+    if (!is_within(angle_cdeg, RMD_ANGLE_CDEG_MAX)) {
+        return false;
+    }
+    *position_q48 = axis_from_motor(config, drive_q48_from_cdeg(angle_cdeg));
+    return is_within(*position_q48, DRIVE_POSITION_Q48_MAX);
+}
+
+/// Takes what a reply says. False if it can't be believed.
+static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint64_t now_us) {
+    const struct drive_rmd_config *config = &drive->config->rmd;
+    int64_t position_q48;
     switch (reply->kind) {
     case RMD_REPLY_ANGLE:
-        if (reply->value.angle_cdeg > RMD_ANGLE_CDEG_MAX ||
-            reply->value.angle_cdeg < -RMD_ANGLE_CDEG_MAX) {
-            drive->bad_replies++;
-            return;
+        if (!position_from_cdeg(config, reply->value.angle_cdeg, &position_q48)) {
+            return false;
         }
-        drive->position_q48 =
-            axis_from_motor(&drive->config->rmd, drive_q48_from_cdeg(reply->value.angle_cdeg));
+        drive->position_q48 = position_q48;
+        drive->position_us = now_us;
         drive->position_known = true;
         drive->asked |= RMD_KNOWS_ANGLE;
         break;
@@ -101,12 +130,14 @@ static void take_reply(struct drive *drive, const struct rmd_reply *reply) {
         drive->temperature_c = reply->value.health.temperature_c;
         drive->asked |= RMD_KNOWS_HEALTH;
         break;
-    case RMD_REPLY_WATCHDOG:
-        drive->asked |= RMD_KNOWS_WATCHDOG;
+    case RMD_REPLY_WATCHDOG: // another value is the answer to somebody else, or was refused
+        drive->asked |= reply->value.watchdog_ms == config->watchdog_ms ? RMD_KNOWS_WATCHDOG : 0U;
         break;
     case RMD_REPLY_ACCEL:
-        drive->accel_plan_dps2 = reply->value.accel.accel_dps2;
-        drive->asked |= RMD_KNOWS_ACCEL;
+        if (reply->value.accel.index == RMD_ACCEL_POSITION) {
+            drive->accel_plan_dps2 = reply->value.accel.accel_dps2;
+            drive->asked |= RMD_KNOWS_ACCEL;
+        }
         break;
     case RMD_REPLY_ACK:
         drive->asked |= reply->command == RMD_LK_RUN ? RMD_RUNS : 0U;
@@ -116,8 +147,9 @@ static void take_reply(struct drive *drive, const struct rmd_reply *reply) {
     }
     // The LKTech dialect has no status, watchdog or acceleration commands: its angle is all there
     // is to know.
-    const unsigned wanted = speaks_lk(&drive->config->rmd) ? RMD_KNOWS_ANGLE : RMD_KNOWS_ALL;
+    const unsigned wanted = speaks_lk(config) ? RMD_KNOWS_ANGLE : RMD_KNOWS_ALL;
     drive->ready = (drive->asked & wanted) == wanted;
+    return true;
 }
 
 bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us) {
@@ -129,12 +161,12 @@ bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t 
         return false;
     }
     struct rmd_reply reply;
-    if (rmd_decode(frame, config->reply_offset, &reply) != RMD_OK) {
+    if (rmd_decode(frame, config->reply_offset, &reply) == RMD_OK &&
+        take_reply(drive, &reply, now_us)) {
+        drive->heard_us = now_us;
+    } else {
         drive->bad_replies++;
-        return true;
     }
-    drive->heard_us = now_us;
-    take_reply(drive, &reply);
     return true;
 }
 
@@ -145,11 +177,12 @@ static void add_frame(struct drive_output *output, enum rmd_status status,
     }
 }
 
-/// The start-up questions in turn, one a cycle, until each is answered. They move nothing.
+/// The start-up questions in turn, one a cycle, until each is answered. They move nothing. LKTech
+/// drives know the first of them only.
 static void ask_next(const struct drive *drive, uint32_t cycle, struct drive_output *output) {
     const struct drive_rmd_config *config = &drive->config->rmd;
     struct can_frame frame;
-    switch (cycle % 4U) {
+    switch (speaks_lk(config) ? 0U : cycle % 4U) {
     case 0:
         add_frame(output, rmd_encode(config->id, RMD_READ_ANGLE, &frame), &frame);
         break;
@@ -200,16 +233,23 @@ static void tick_rmd(const struct drive *drive, uint32_t tick, bool powered, int
 
 // ---------------------------------------------------------------- pulse width
 
+/// Linear between the two points, rounded to nearest.
 static uint32_t pulse_for(const struct drive_pwm_config *config, int64_t position_q48) {
-    int64_t position = position_q48;
-    position = position < config->low_q48 ? config->low_q48 : position;
-    position = position > config->high_q48 ? config->high_q48 : position;
-    // Both differences to 2^-24 of a turn less: the product with a pulse in ns fits 64 bits.
-    const int64_t part = (position - config->low_q48) >> 24,
-                  whole = (config->high_q48 - config->low_q48) >> 24;
-    const int64_t rise = (int64_t)config->high_pulse_ns - (int64_t)config->low_pulse_ns;
-    const int64_t pulse = (int64_t)config->low_pulse_ns + rise * part / whole;
-    return (uint32_t)pulse;
+    if (position_q48 <= config->low_q48) {
+        return config->low_pulse_ns;
+    }
+    if (position_q48 >= config->high_q48) {
+        return config->high_pulse_ns;
+    }
+    const uint64_t part = (uint64_t)(position_q48 - config->low_q48),
+                   whole = (uint64_t)(config->high_q48 - config->low_q48);
+    const bool rises = config->high_pulse_ns > config->low_pulse_ns;
+    const uint32_t rise = rises ? config->high_pulse_ns - config->low_pulse_ns
+                                : config->low_pulse_ns - config->high_pulse_ns;
+    uint64_t rest;
+    const uint32_t way = (uint32_t)u128_div_u64(
+        u128_add(u128_mul(rise, part), (struct u128){whole / 2U, 0}), whole, &rest);
+    return rises ? config->low_pulse_ns + way : config->low_pulse_ns - way;
 }
 
 // ---------------------------------------------------------------- either
@@ -234,4 +274,9 @@ enum drive_fault drive_check(const struct drive *drive, uint64_t now_us, uint32_
         return DRIVE_FAULT_SILENT;
     }
     return drive->error_bits != 0U ? DRIVE_FAULT_REPORTED : DRIVE_HEALTHY;
+}
+
+bool drive_position_is_fresh(const struct drive *drive, uint64_t now_us, uint32_t silence_us) {
+    return !drive_has_feedback(drive) ||
+           (drive->position_known && now_us - drive->position_us <= silence_us);
 }

@@ -2,24 +2,30 @@
 ///
 /// An RMD servo drive on CAN, a hobby servo or a zoom lens by pulse width. The kinds are told apart
 /// by a switch, not by function pointers, so that the call graph (and with it the stack bound) is
-/// plain to see.
+/// plain to see. Shown: tests/unit/test_drive.c, tests/unit/test_drive_rmd.c.
 #ifndef DRIVE_DRIVE_H
 #define DRIVE_DRIVE_H
 
 #include "drive/can_frame.h"
 #include "fixed/must_check.h"
+#include "motion/axis.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 enum drive_kind { DRIVE_NONE, DRIVE_RMD, DRIVE_PWM };
 
+/// Positions of an axis beyond 64 turns are taken for a fault of the drive, not for a position: no
+/// gimbal has turned so far. Zeros reach 2,000 turns.
+#define DRIVE_POSITION_Q48_MAX (64 * AXIS_TURN_Q48)
+#define DRIVE_ZERO_Q48_MAX     (2000 * AXIS_TURN_Q48)
+
 /// RMD over CAN. Motor angle = (reversed ? -1 : 1) * axis position + zero.
 struct drive_rmd_config {
     uint8_t id;            ///< 1 to 32
     uint32_t reply_offset; ///< RMD_REPLY_OFFSET_V3 or _LK
     bool reversed;
-    int64_t zero_q48;       ///< motor angle at axis position 0
+    int64_t zero_q48;       ///< motor angle at axis position 0, within DRIVE_ZERO_Q48_MAX
     uint16_t speed_max_dps; ///< sent with every position; 0: the drive's own limit
     uint32_t watchdog_ms;   ///< the drive cuts its output after this long without a frame; 0: off
 };
@@ -27,9 +33,10 @@ struct drive_rmd_config {
 /// Pulse width: linear between two calibrated points, never outside the pulse limits.
 struct drive_pwm_config {
     uint32_t channel;
-    int64_t low_q48,
-        high_q48; ///< two positions of the axis, low < high, at least 2^-24 turns apart
-    uint32_t low_pulse_ns, high_pulse_ns; ///< and their pulses, in either order
+    /// Two positions of the axis, low < high, at least 2^-24 turns apart, within
+    /// DRIVE_POSITION_Q48_MAX.
+    int64_t low_q48, high_q48;
+    uint32_t low_pulse_ns, high_pulse_ns; ///< and their pulses, in either order, 1 ns to 20 ms
 };
 
 struct drive_config {
@@ -52,13 +59,14 @@ struct drive {
     bool ready; ///< position and status are known: the axis is homed
     bool position_known;
     int64_t position_q48; ///< last measured
+    uint64_t position_us; ///< time of that
     uint64_t heard_us;    ///< time of the last reply; start-up counts as one
     uint16_t error_bits;  ///< as the drive reports them
     int8_t temperature_c;
     int32_t accel_plan_dps2; ///< RMD: 0 means that positions are followed without a ramp of the
                              ///< drive's own
     uint16_t asked;          ///< start-up: which questions are answered
-    uint32_t bad_replies;    ///< frames from this drive that could not be decoded
+    uint32_t bad_replies;    ///< frames from this drive that could not be decoded or believed
 };
 
 /// What a drive wants sent in one tick.
@@ -78,10 +86,10 @@ void drive_init(struct drive *drive, const struct drive_config *config, uint64_t
 void drive_forget(struct drive *drive);
 
 /// Looks at a received frame. Returns whether it came from this drive. A frame that can't be
-/// decoded is counted and changes nothing else.
+/// decoded, and an angle beyond DRIVE_POSITION_Q48_MAX, is counted and changes nothing else.
 bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us);
 
-/// What to send in this tick.
+/// What to send in this tick. setpoint_q48: within DRIVE_POSITION_Q48_MAX (a PWM drive: any).
 /// tick:    counts up; a cycle has DRIVE_CYCLE_TICKS (axes take turns by an offset). A position
 /// command and a fine-angle request go out
 ///          once a cycle each, because 1 kHz of both for two axes does not fit on a 1 Mbit/s bus.
@@ -95,11 +103,15 @@ void drive_tick(struct drive *drive, uint32_t tick, bool powered, int64_t setpoi
 /// anything.
 enum drive_fault drive_check(const struct drive *drive, uint64_t now_us, uint32_t silence_us);
 
+/// Is the position known, and measured within the last silence_us? Other replies keep a drive from
+/// being silent, but to start from a stale position would be a jump. PWM drives: always true.
+bool drive_position_is_fresh(const struct drive *drive, uint64_t now_us, uint32_t silence_us);
+
 /// Does this kind measure its position?
 bool drive_has_feedback(const struct drive *drive);
 
 /// Hundredths of a degree, which RMD drives count in, from and to 2^48 units a turn; rounded to
-/// nearest.
+/// nearest. Any position; angles up to 32,767 turns. There and back gives the same hundredths.
 int64_t drive_cdeg_from_q48(int64_t position_q48);
 int64_t drive_q48_from_cdeg(int64_t angle_cdeg);
 

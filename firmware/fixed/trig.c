@@ -30,6 +30,13 @@ static q30_t q30_from_q63(uint64_t value) {
     return (q30_t)((value + (UINT64_C(1) << 32)) >> 33);
 }
 
+struct trig_octant trig_octant(uint32_t x_bam) {
+    const uint64_t t = (uint64_t)x_bam << 34, t2 = mul_q63(t, t);
+    return (struct trig_octant){
+        .sin_by_t_q63 = alternating_series(sin_terms, sizeof sin_terms / sizeof *sin_terms, t2),
+        .cos_q63 = alternating_series(cos_terms, sizeof cos_terms / sizeof *cos_terms, t2)};
+}
+
 struct sincos trig_sincos(bam32_t angle) {
     // Octant symmetry: fold to [0, 1/8 turn], then swap and negate.
     const uint32_t quadrant = angle.bam >> 30;
@@ -38,11 +45,9 @@ struct sincos trig_sincos(bam32_t angle) {
     if (upper_octant) {
         x = BAM32_QUARTER - x;
     }
-    const uint64_t t = (uint64_t)x << 34, t2 = mul_q63(t, t);
-    const q30_t small = q30_from_q63(
-        mul_q63(t, alternating_series(sin_terms, sizeof sin_terms / sizeof *sin_terms, t2)));
-    const q30_t large =
-        q30_from_q63(alternating_series(cos_terms, sizeof cos_terms / sizeof *cos_terms, t2));
+    const struct trig_octant octant = trig_octant(x);
+    const q30_t small = q30_from_q63(mul_q63((uint64_t)x << 34, octant.sin_by_t_q63));
+    const q30_t large = q30_from_q63(octant.cos_q63);
     const q30_t s = upper_octant ? large : small, c = upper_octant ? small : large;
     switch (quadrant) {
     case 0:

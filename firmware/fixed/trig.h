@@ -20,6 +20,17 @@ struct sincos {
 /// 2^-45.
 struct sincos trig_sincos(bam32_t angle);
 
+struct trig_octant {
+    uint64_t sin_by_t_q63; ///< sin(x) / t, where t is x in units of 1/8 turn
+    uint64_t cos_q63;
+};
+
+/// The series behind trig_sincos, before they are rounded: for quotients that need more digits.
+/// x_bam: 0 to 2^29, 1/8 turn. The sine is left as a factor of t, so that small angles keep theirs.
+/// Accuracy: the first terms left out are 2^-45 t^14 and 2^-49 t^16, and rounding adds 2^-60: a
+///           tangent near 90 degrees keeps 58 bits (tests/property/orient_reference.c).
+struct trig_octant trig_octant(uint32_t x_bam);
+
 /// Angle of the vector (x, y) from the x axis toward the y axis; 0 for the zero vector.
 /// x, y: any int64. trig_atan2(-y, x) = -trig_atan2(y, x) bit for bit, save for the half turn.
 /// Accuracy: 0.5001 BAM (tests/property/fixed_exhaustive.c).

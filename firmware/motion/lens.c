@@ -1,13 +1,20 @@
 #include "motion/lens.h"
 
 #include "fixed/trig.h"
+#include "fixed/wide.h"
+#include "motion/axis.h"
 
 bool lens_valid(const struct lens_config *lens) {
     const uint32_t metre_um = 1000000;
+    const int64_t reach = 16 * AXIS_TURN_Q48;
     if (lens->point_count < 2U || lens->point_count > LENS_TABLE_MAX ||
         lens->point[0].focal_um == 0U || lens->sensor_width_um == 0U ||
         lens->sensor_height_um == 0U || lens->sensor_width_um > metre_um ||
         lens->sensor_height_um > metre_um || lens->margin_q16 > 10U << 16) {
+        return false;
+    }
+    if (lens->point[0].position_q48 < -reach ||
+        lens->point[lens->point_count - 1U].position_q48 > reach) {
         return false;
     }
     for (uint32_t i = 1; i < lens->point_count; i++) {
@@ -28,15 +35,23 @@ uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle) {
     const uint32_t side_um = lens->sensor_width_um < lens->sensor_height_um
                                  ? lens->sensor_width_um
                                  : lens->sensor_height_um;
-    // side / 2 = focal * tan(half angle) * (1 + margin)
+    // side / 2 = focal * tan(half angle) * (1 + margin), times 2^15; rounded down, to the wide
+    // side.
     const struct sincos half = trig_sincos(half_angle);
-    const uint64_t opposite = ((uint64_t)half.sin_q30 * ((1U << 16) + lens->margin_q16)) >> 16;
-    const uint64_t adjacent = (uint64_t)half.cos_q30 * side_um / 2U;
+    const uint64_t opposite = (uint64_t)half.sin_q30 * ((1U << 16) + lens->margin_q16) / 2U;
+    const uint64_t adjacent = (uint64_t)half.cos_q30 * side_um << 14; // below 2^30 * 2^20 * 2^14
     if (opposite == 0U || adjacent / opposite >= longest) {
         return longest;
     }
     const uint32_t focal_um = (uint32_t)(adjacent / opposite);
     return focal_um > shortest ? focal_um : shortest;
+}
+
+/// rise * part / run, rounded to nearest, half upward. part < run.
+static uint64_t interpolate(uint64_t rise, uint64_t part, uint64_t run) {
+    uint64_t rest;
+    const struct u128 product = u128_add(u128_mul(rise, part), (struct u128){run / 2U, 0});
+    return u128_div_u64(product, run, &rest);
 }
 
 int64_t lens_position_q48(const struct lens_config *lens, uint32_t focal_um) {
@@ -51,12 +66,9 @@ int64_t lens_position_q48(const struct lens_config *lens, uint32_t focal_um) {
     if (focal_um >= high.focal_um) {
         return high.position_q48;
     }
-    // Positions to 16 fewer bits, so that the product fits: 2^32 steps of travel are plenty for a
-    // lens.
-    const int64_t rise = (high.position_q48 - low.position_q48) >> 16;
-    const int64_t part = (int64_t)(focal_um - low.focal_um),
-                  run = (int64_t)(high.focal_um - low.focal_um);
-    return low.position_q48 + rise * part / run * (1 << 16);
+    return low.position_q48 + (int64_t)interpolate((uint64_t)(high.position_q48 - low.position_q48),
+                                                   focal_um - low.focal_um,
+                                                   high.focal_um - low.focal_um);
 }
 
 uint32_t lens_focal_at_um(const struct lens_config *lens, int64_t position_q48) {
@@ -71,8 +83,7 @@ uint32_t lens_focal_at_um(const struct lens_config *lens, int64_t position_q48) 
     if (position_q48 >= high.position_q48) {
         return high.focal_um;
     }
-    const int64_t rise = (int64_t)(high.focal_um - low.focal_um);
-    const int64_t part = (position_q48 - low.position_q48) >> 16,
-                  run = (high.position_q48 - low.position_q48) >> 16;
-    return low.focal_um + (uint32_t)((rise * part + run / 2) / run);
+    return low.focal_um + (uint32_t)interpolate(high.focal_um - low.focal_um,
+                                                (uint64_t)(position_q48 - low.position_q48),
+                                                (uint64_t)(high.position_q48 - low.position_q48));
 }

@@ -18,25 +18,29 @@ struct lens_point {
 };
 
 struct lens_config {
-    /// At least two points, both columns strictly ascending. Between them, linear.
+    /// At least two points, both columns strictly ascending, positions within 16 turns of 0.
+    /// Between them, linear.
     struct lens_point point[LENS_TABLE_MAX];
     uint32_t point_count;
     uint32_t sensor_width_um, sensor_height_um; ///< of the image, 1 um to 1 m
-    uint32_t margin_q16; ///< how much wider than the cone the picture's short side is: 0.10 is 6554
+    /// How much wider than the cone the picture's short side is: 0.10 is 6554. At most 10.0.
+    uint32_t margin_q16;
 };
 
 /// Is the table usable?
 bool lens_valid(const struct lens_config *lens);
 
 /// Focal length at which a cone of this half-angle, widened by the margin, touches the short sides
-/// of the picture; clamped to the table. A quarter turn and more gives the shortest. Accuracy: 1 um
-/// + 2^-28 of the result (tests/unit/test_lens.c).
+/// of the picture, rounded down; clamped to the table. A quarter turn and more gives the shortest.
+/// Accuracy: 1 um + 2^-29 / sin(2 half-angle) of the result (tests/property/lens.c).
+/// Cost: two 64-bit divisions.
 uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle);
 
-/// Position of the zoom axis for a focal length, clamped to the table.
+/// Position of the zoom axis for a focal length, clamped to the table, rounded to nearest.
 int64_t lens_position_q48(const struct lens_config *lens, uint32_t focal_um);
 
-/// The inverse, rounded to nearest.
+/// The inverse, rounded to nearest: exact where the table has at least two positions a micrometre
+/// (tests/unit/test_lens.c).
 uint32_t lens_focal_at_um(const struct lens_config *lens, int64_t position_q48);
 
 #endif

@@ -1,14 +1,26 @@
 #include "motion/tracker.h"
 
-#include "fixed/q30.h"
+#include "fixed/wide.h"
+#include "motion/axis.h"
+
+/// Where a goal that coasts stands still at the latest: far outside any limits, and sums don't
+/// overflow.
+#define POSITION_Q48_MAX (4096 * AXIS_TURN_Q48)
+
+static int64_t clamp(int64_t value, int64_t low, int64_t high) {
+    return value < low ? low : (value > high ? high : value);
+}
 
 void tracker_reset(struct tracker *tracker) {
     *tracker = (struct tracker){0};
 }
 
-/// value * fraction, |value| below 2^46.
+/// value * fraction, rounded to nearest; fraction at most 1, |value| below 2^62.
 static int64_t scale(int64_t value, uint32_t fraction_q16) {
-    return round_shift_i64(value * (int64_t)fraction_q16, 16U);
+    const uint64_t size = u64_abs(value);
+    const uint64_t low = (size & 0xFFFFU) * fraction_q16 + (1U << 15);
+    const int64_t scaled = (int64_t)((size >> 16) * fraction_q16 + (low >> 16));
+    return value < 0 ? -scaled : scaled;
 }
 
 void tracker_update(struct tracker *tracker, const struct tracker_config *config,
@@ -29,7 +41,8 @@ void tracker_update(struct tracker *tracker, const struct tracker_config *config
     const uint32_t alpha = one - (uint32_t)(((uint64_t)memory * memory) >> 16);
     const uint32_t beta = (uint32_t)(((uint64_t)(one - memory) * (one - memory)) >> 16);
     tracker->position_q48 += scale(surprise, alpha);
-    tracker->rate_q48 += scale(surprise, beta) / (int64_t)elapsed;
+    tracker->rate_q48 = clamp(tracker->rate_q48 + scale(surprise, beta) / (int64_t)elapsed,
+                              -AXIS_TURN_Q48, AXIS_TURN_Q48);
 }
 
 void tracker_advance(struct tracker *tracker, const struct tracker_config *config) {
@@ -42,5 +55,6 @@ void tracker_advance(struct tracker *tracker, const struct tracker_config *confi
     if (tracker->age_ticks > config->coast_ticks) {
         tracker->rate_q48 = 0;
     }
-    tracker->position_q48 += tracker->rate_q48;
+    tracker->position_q48 =
+        clamp(tracker->position_q48 + tracker->rate_q48, -POSITION_Q48_MAX, POSITION_Q48_MAX);
 }

@@ -33,11 +33,10 @@ static enum hal_status admit(struct fake_flash *flash) {
     if (flash->is_off) {
         return HAL_ERROR_GONE;
     }
-    const enum hal_status status = fake_failures_call(&flash->failures);
-    if (status != HAL_OK) {
-        return status;
+    if (flash->work != FAKE_FLASH_IDLE) {
+        return flash->failures.gone ? HAL_ERROR_GONE : HAL_BUSY;
     }
-    return flash->work == FAKE_FLASH_IDLE ? HAL_OK : HAL_BUSY;
+    return fake_failures_call(&flash->failures);
 }
 
 static enum hal_status fake_flash_read(void *ctx, uint32_t address, uint8_t *data,
@@ -177,13 +176,13 @@ static enum hal_status fake_flash_poll(void *ctx) {
     if (flash->is_off) {
         return HAL_ERROR_GONE;
     }
+    if (flash->work != FAKE_FLASH_IDLE && flash->polls_left > 0U && !flash->failures.gone) {
+        flash->polls_left--;
+        return HAL_BUSY;
+    }
     const enum hal_status order = fake_failures_call(&flash->failures);
     if (flash->work == FAKE_FLASH_IDLE) {
         return order == HAL_OK ? flash->last_status : order;
-    }
-    if (order == HAL_OK && flash->polls_left > 0U) {
-        flash->polls_left--;
-        return HAL_BUSY;
     }
     const uint32_t units = flash->size_bytes / flash->geometry.unit_bytes;
     const bool erasing = flash->work == FAKE_FLASH_ERASING;
@@ -201,7 +200,8 @@ void fake_flash_init(struct fake_flash *flash, const struct hal_flash_geometry *
                                  .memory = memory,
                                  .random_state = seed,
                                  .unstable_address = NO_ADDRESS};
-    if (geometry->unit_bytes - 1U >= FAKE_FLASH_UNIT_BYTES_MAX || seed == 0U) {
+    if (!hal_flash_is_sound(geometry) || geometry->unit_bytes > FAKE_FLASH_UNIT_BYTES_MAX ||
+        seed == 0U) {
         abort();
     }
     fake_bind_check(hal_flash_bind(&flash->hal, &ops, flash));

@@ -2,7 +2,8 @@
 ///
 /// An operation is one unit programmed or one sector erased. What a call begins is done by poll:
 /// busy_polls times it answers HAL_BUSY, then all the work is done, operation by operation. A poll
-/// that fails to order (failures) leaves the work done in part: some operations done, one torn.
+/// that fails to order (failures; calls that answer HAL_BUSY do not count) leaves the work done in
+/// part: some operations done, one torn.
 #ifndef DEVICES_FAKE_FLASH_H
 #define DEVICES_FAKE_FLASH_H
 

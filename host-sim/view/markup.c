@@ -51,7 +51,7 @@ void markup_text(FILE *out, const char *text) {
             break;
         default:
             if (bytes == 0) {
-                fputs("\xEF\xBF\xBD", out);
+                fputs("\uFFFD", out);
             } else if ((unsigned char)*at < 0x20 || *at == 0x7F) {
                 fputc(' ', out);
             } else {
@@ -88,13 +88,13 @@ void markup_copy(char *field, size_t capacity, const char *text) {
 
 void markup_number(FILE *out, double value, int decimals) {
     if (!isfinite(value)) {
-        fputs("\xE2\x80\x93", out);
+        fputs("\u2013", out);
         return;
     }
     char digits[340];
     snprintf(digits, sizeof digits, "%.*f", decimals, fabs(value));
     if (value < 0 && strspn(digits, "0.") != strlen(digits)) {
-        fputs("\xE2\x88\x92", out);
+        fputs("\u2212", out);
     }
     fputs(digits, out);
 }

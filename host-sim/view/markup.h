@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/// Bytes of the character at the beginning of a text; 0 where there is none that is valid UTF-8 and
-/// allowed in XML, as at the end.
+/// Bytes of the character at the beginning of a text, control characters included; 0 at the end and
+/// where the bytes are not valid UTF-8, or a U+FFFE or U+FFFF.
 size_t markup_character_bytes(const char *text);
 
 /// Writes UTF-8 text so that it can stand in an element or in a quoted attribute. Bytes that are

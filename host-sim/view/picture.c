@@ -410,14 +410,14 @@ static void draw_scale(FILE *out, const struct report_picture *picture, const st
         markup_px(out, left_px + length_px + 5);
         fputs("\" y=\"", out);
         markup_px(out, y_px + 3.5);
-        fprintf(out, "\">%g\xC2\xB0</text>\n", angles_deg[i]);
+        fprintf(out, "\">%g\u00B0</text>\n", angles_deg[i]);
         break;
     }
     fputs("<text class=\"quiet\" text-anchor=\"end\" x=\"", out);
     markup_px(out, right_px);
     fputs("\" y=\"", out);
     markup_px(out, y_px + 3.5);
-    fprintf(out, "\">%.3g \xC3\x97 %.3g mm</text>\n", picture->sensor_width_mm,
+    fprintf(out, "\">%.3g \u00D7 %.3g mm</text>\n", picture->sensor_width_mm,
             picture->sensor_height_mm);
 }
 

@@ -11,7 +11,7 @@
 /// The drawing, in pixels. Panels lie between LEFT and RIGHT.
 #define WIDTH_PX     1000.0
 #define LEFT_PX      64.0
-#define RIGHT_PX     988.0
+#define RIGHT_PX     976.0
 #define TOP_PX       22.0 ///< the row of picture marks
 #define HEADING_PX   26.0 ///< above each panel
 #define PANEL_PX     116.0
@@ -62,8 +62,8 @@ struct panel {
 };
 
 static const struct panel panels[] = {
-    {"Pan (\xC2\xB0)", pan_of, pan_setpoint_of, SCALE_DEGREES, 0.02},
-    {"Tilt (\xC2\xB0)", tilt_of, tilt_setpoint_of, SCALE_DEGREES, 0.02},
+    {"Pan (\u00B0)", pan_of, pan_setpoint_of, SCALE_DEGREES, 0.02},
+    {"Tilt (\u00B0)", tilt_of, tilt_setpoint_of, SCALE_DEGREES, 0.02},
     {"Focal length (mm)", focal_of, focal_setpoint_of, SCALE_DECIMAL, 0.1},
 };
 enum { PANEL_COUNT = sizeof panels / sizeof *panels };
@@ -282,7 +282,7 @@ static void draw_error_panel(FILE *out, const struct report *report, const struc
         draw_level(out, scale_px(&scale, decade), pow(10, decade), decade < 0 ? -decade : 0);
     }
     draw_level(out, foot_px, 0, 0);
-    draw_text(out, "heading", "start", LEFT_PX, top_px - 7, "Aim error (\xC2\xB0), log scale");
+    draw_text(out, "heading", "start", LEFT_PX, top_px - 7, "Aim error (\u00B0), log scale");
     draw_series(out, report, &(struct series){"actual", error_of, scale, true, foot_px}, time);
 }
 
@@ -388,7 +388,7 @@ void plot_write_note(FILE *out, const struct report *report) {
           "cone. Its scale is logarithmic: 0, and anything below ",
           out);
     markup_number(out, pow(10, decades.lowest), decades.lowest < 0 ? -decades.lowest : 0);
-    fputs("\xC2\xB0, is drawn on the line marked 0; gaps are times with nothing to aim at.", out);
+    fputs("\u00B0, is drawn on the line marked 0; gaps are times with nothing to aim at.", out);
     if (report->picture_count > 0) {
         fputs(" The numbers at the top mark the pictures below.", out);
     }

@@ -10,6 +10,7 @@
 
 #define STATUS_EVERY_MS 100
 #define BAR_COLUMNS     24
+#define BAR_ALL_COLUMNS (BAR_COLUMNS + 10) ///< with its brackets, its number and the blanks
 
 static int64_t now_ms(void) {
     struct timespec now;
@@ -74,7 +75,7 @@ void progress_status(struct progress *progress, double done, const char *text) {
     // One column stays free: a terminal whose last column is full may go to the next line.
     int left = width_of(progress->live) - 1;
     fputc('\r', progress->live);
-    if (done >= 0 && left > BAR_COLUMNS + 8) {
+    if (done >= 0 && left >= BAR_ALL_COLUMNS) {
         char bar[BAR_COLUMNS + 1];
         double share = done < 1 ? done : 1;
         int full = (int)(share * BAR_COLUMNS);

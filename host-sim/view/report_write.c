@@ -12,8 +12,8 @@
 
 extern const char build_id[];
 
-#define DEGREES    "\xC2\xB0"
-#define NARROW_GAP "\xE2\x80\xAF" ///< between a number and its unit; the line does not break there
+#define DEGREES    "\u00B0"
+#define NARROW_GAP "\u202F" ///< between a number and its unit; the line does not break there
 
 static void write_element(FILE *out, const char *begin, const char *text, const char *end) {
     fputs(begin, out);
@@ -146,7 +146,7 @@ static void write_head(FILE *out, const struct report *const *chapters, size_t c
           "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"/>\n<title>",
           out);
     if (chapter_count > 0) {
-        write_element(out, "", chapters[0]->title, " \xC2\xB7 ");
+        write_element(out, "", chapters[0]->title, " \u00B7 ");
     }
     fputs("Boresight</title>\n<style>\n", out);
     fputs(style_page, out);

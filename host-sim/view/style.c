@@ -38,7 +38,7 @@ const char style_page[] =
     "header p{margin:.2rem 0;color:var(--quiet)}\n"
     "nav ol{margin:.8rem 0 0;padding-left:1.4rem}\n"
     "section{margin-top:3rem}\n"
-    ".subtitle{margin:0;text-wrap:pretty;color:var(--quiet);font-size:1.05rem;max-width:46rem}\n"
+    ".subtitle{margin:0;text-wrap:balance;color:var(--quiet);font-size:1.05rem;max-width:46rem}\n"
     ".facts{display:grid;grid-template-columns:repeat(auto-fill,minmax(12.5rem,1fr));"
     "column-gap:2rem;margin:1.4rem 0 0}\n"
     ".facts div{padding:.5rem 0 .55rem;border-top:1px solid var(--rule)}\n"
@@ -89,7 +89,8 @@ const char style_page[] =
     "@media print{@page{margin:14mm}:root{font-size:9pt;--ground:#fff}"
     "body{max-width:none;padding:0}"
     "section{break-before:page}section:first-of-type{break-before:auto}"
-    "h2,h3{break-after:avoid}figure,.facts div{break-inside:avoid}.plot{min-width:0}"
+    "h2,h3{break-after:avoid}figure,.facts "
+    "div{break-inside:avoid}.plot{min-width:0;width:86%;margin:0 auto}"
     ".pictures{grid-template-columns:repeat(2,1fr)}a{color:inherit;text-decoration:none}}\n";
 
 const char style_picture[] =

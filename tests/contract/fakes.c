@@ -24,9 +24,10 @@ static struct fake_clock clock_;
 /// The failures of whichever fake is being tested.
 static struct fake_failures *failures;
 
-static void fail_at(void *context, uint32_t nth, enum hal_status status) {
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
     (void)context;
     fake_failures_at(failures, nth, 1, status);
+    return true;
 }
 
 static void settle_1ms(void *context) {

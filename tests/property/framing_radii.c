@@ -20,23 +20,30 @@ static long double angle_bam(struct vec3 a, struct vec3 b) {
     return atan2l(sqrtl(x * x + y * y + z * z), dot) * bam_per_radian;
 }
 
+/// One draw a statement, here and below: the order within an expression is the compiler's choice.
+static struct vec3 any_vec3(unsigned shift) {
+    const int32_t x = (int32_t)check_random(&seed);
+    const int32_t y = (int32_t)check_random(&seed);
+    const int32_t z = (int32_t)check_random(&seed);
+    return vec3(x >> shift, y >> shift, z >> shift);
+}
+
 /// Targets within a random spread round a random direction; radii from nothing to the largest.
 static void make_set(void) {
     target_set_init(&set, (struct vec3_i64){0, 0, 0}, 0);
     const uint32_t count = 1U + (uint32_t)(check_random(&seed) % 12U);
     const unsigned spread = (unsigned)(check_random(&seed) % 30U),
                    radius_shift = (unsigned)(check_random(&seed) % 33U);
-    const struct vec3 centre = {(int32_t)check_random(&seed) / 2, (int32_t)check_random(&seed) / 2,
-                                (int32_t)check_random(&seed) / 2};
+    const struct vec3 centre = any_vec3(1);
     for (uint32_t id = 0; id < count; id++) {
         const uint64_t radius = (check_random(&seed) >> 34) >> radius_shift;
+        const uint32_t weight = (uint32_t)check_random(&seed);
+        const struct vec3 off = any_vec3(1U + spread);
         const struct target_update update = {
             .kind = TARGET_DIRECTION,
             .id = id,
-            .weight_q16 = check_random(&seed) % 4U == 0U ? 0U : (uint32_t)check_random(&seed) | 1U,
-            .direction = {centre.x + ((int32_t)check_random(&seed) >> (1U + spread)),
-                          centre.y + ((int32_t)check_random(&seed) >> (1U + spread)),
-                          centre.z + ((int32_t)check_random(&seed) >> (1U + spread))},
+            .weight_q16 = weight % 4U == 0U ? 0U : weight,
+            .direction = {centre.x + off.x, centre.y + off.y, centre.z + off.z},
             .radius_bam32 = (uint32_t)radius};
         CHECK_EQ(target_set_apply(&set, &update, 0), TARGET_OK);
     }

@@ -8,7 +8,7 @@
 
 static uint64_t seed = UINT64_C(0xA0761D6478BD642F);
 
-enum { BITS = 256, AXES_CASES = 50000, ANGLE_CASES = 300000, IMAGE_CASES = 300000 };
+enum { BITS = 256, AXES_CASES = 30000, ANGLE_CASES = 40000, IMAGE_CASES = 40000 };
 
 static int32_t any_i32(void) {
     return (int32_t)(uint32_t)check_random(&seed) / (1 << (check_random(&seed) % 31U));

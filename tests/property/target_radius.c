@@ -13,8 +13,17 @@ static struct target_set set;
 
 /// Up to 2^52 in size; every size comes up.
 static int64_t any_coordinate(void) {
-    const int64_t size = (int64_t)(check_random(&seed) >> (12U + check_random(&seed) % 52U));
+    const unsigned shift = 12U + (unsigned)(check_random(&seed) % 52U);
+    const int64_t size = (int64_t)(check_random(&seed) >> shift);
     return (check_random(&seed) & 1U) != 0U ? size : -size;
+}
+
+/// One draw a statement: the order within an expression is the compiler's choice.
+static struct vec3_i64 any_position(void) {
+    const int64_t x = any_coordinate();
+    const int64_t y = any_coordinate();
+    const int64_t z = any_coordinate();
+    return (struct vec3_i64){x, y, z};
 }
 
 struct excess {
@@ -59,9 +68,10 @@ static void spheres_are_never_seen_too_small(void) {
     struct excess excess = {1.0e9L, -1.0e9L};
     int64_t seen = 0;
     for (int i = 0; i < 300000 && check_clean(); i++) {
-        const struct vec3_i64 viewpoint = {any_coordinate(), any_coordinate(), any_coordinate()};
-        const struct vec3_i64 position = {any_coordinate(), any_coordinate(), any_coordinate()};
-        const uint32_t radius = (uint32_t)check_random(&seed) >> check_random(&seed) % 32U;
+        const struct vec3_i64 viewpoint = any_position();
+        const struct vec3_i64 position = any_position();
+        const unsigned shift = (unsigned)(check_random(&seed) % 32U);
+        const uint32_t radius = (uint32_t)check_random(&seed) >> shift;
         seen += see(viewpoint, position, radius, &excess);
     }
     check_note("spheres seen", seen);

@@ -113,8 +113,8 @@ static void random_against_a_search(void) {
             low -= low % (1 << 16);
             high -= high % (1 << 16);
         }
-        const bam32_t angles[] = {axis_to_bam32(low), axis_to_bam32(high), bam32((uint32_t)any(33)),
-                                  bam32((uint32_t)any(33))};
+        const bam32_t random = bam32((uint32_t)any(33));
+        const bam32_t angles[] = {axis_to_bam32(low), axis_to_bam32(high), random, random};
         const bam32_t angle = angles[check_random(&seed) % 4U];
         check_by_search(angle, any(53), low, high);
     }

@@ -151,13 +151,13 @@ static void step(bool stop, int64_t goal, int64_t rate) {
 /// Limits, speeds and lengths of every size. Units from single counts (where rounding shows) up.
 static void any_config(void) {
     const unsigned bits = 2U + (unsigned)(check_random(&seed) % 51U);
-    const int64_t a = any(bits), b = check_random(&seed) % 8U == 0U ? a : any(bits);
-    config = (struct limiter_config){
-        .min_q48 = a < b ? a : b,
-        .max_q48 = a < b ? b : a,
-        .speed_max_q48 = any_above_0(bits < 48U ? bits : 48U),
-        .accel_max_q48 = any_above_0(bits < 48U ? bits : 48U),
-        .smooth_ticks = 1U + (uint32_t)(check_random(&seed) >> (56U + check_random(&seed) % 8U))};
+    const int64_t a = any(bits), other = any(bits);
+    const int64_t b = check_random(&seed) % 8U == 0U ? a : other;
+    const int64_t speed = any_above_0(bits < 48U ? bits : 48U);
+    const int64_t accel = any_above_0(bits < 48U ? bits : 48U);
+    const unsigned shift = 56U + (unsigned)(check_random(&seed) % 8U);
+    const uint32_t smooth = 1U + (uint32_t)(check_random(&seed) >> shift);
+    config = (struct limiter_config){a < b ? a : b, a < b ? b : a, speed, accel, smooth};
 }
 
 /// Goals inside, at the limits, far outside, at the ends of the type; rates alike.
@@ -298,9 +298,11 @@ static void arrives_exactly_and_soon(void) {
     check_note("seed", (int64_t)seed);
     int64_t worst = 0;
     for (int i = 0; i < 150 && check_clean(); i++) {
+        const int64_t speed = any_above_0(40);
+        const int64_t accel = any_above_0(36);
+        const uint32_t smooth = 1U + (uint32_t)(check_random(&seed) % 100U);
         config =
-            (struct limiter_config){-(INT64_C(1) << 50), INT64_C(1) << 50, any_above_0(40),
-                                    any_above_0(36), 1U + (uint32_t)(check_random(&seed) % 100U)};
+            (struct limiter_config){-(INT64_C(1) << 50), INT64_C(1) << 50, speed, accel, smooth};
         if (config.speed_max_q48 / config.accel_max_q48 > 300) {
             config.speed_max_q48 = config.accel_max_q48 * 300;
         }
@@ -311,9 +313,9 @@ static void arrives_exactly_and_soon(void) {
         const int64_t fewest = fewest_ticks(distance);
         const int64_t ticks = travel(from, to);
         CHECK_EQ(limiter.output_q48, to);
-        const int64_t smooth = distance == 0 ? 0 : (int64_t)config.smooth_ticks;
-        CHECK(ticks >= fewest + smooth);
-        worst = ticks - fewest - smooth > worst ? ticks - fewest - smooth : worst;
+        const int64_t mean = distance == 0 ? 0 : (int64_t)smooth;
+        CHECK(ticks >= fewest + mean);
+        worst = ticks - fewest - mean > worst ? ticks - fewest - mean : worst;
     }
     check_note("ticks above the fewest possible, most", worst);
     CHECK_EQ(worst, 0);
@@ -352,9 +354,10 @@ static void stops_within_a_quarter_second(void) {
 static void rest_is_rest(void) {
     seed = 33;
     for (int i = 0; i < 300 && check_clean(); i++) {
-        config = (struct limiter_config){-100, 100, 1 + (int64_t)(check_random(&seed) % 40U),
-                                         1 + (int64_t)(check_random(&seed) % 40U),
-                                         1U + (uint32_t)(check_random(&seed) % 9U)};
+        const int64_t speed = 1 + (int64_t)(check_random(&seed) % 40U);
+        const int64_t accel = 1 + (int64_t)(check_random(&seed) % 40U);
+        const uint32_t smooth = 1U + (uint32_t)(check_random(&seed) % 9U);
+        config = (struct limiter_config){-100, 100, speed, accel, smooth};
         begin(0);
         for (int k = 0; k < 400 && check_clean(); k++) {
             step(false, (int64_t)(check_random(&seed) % 21U) - 10, 0);

@@ -110,6 +110,14 @@ MUST_CHECK static inline enum hal_status hal_flash_poll(const struct hal_flash *
     return flash->ops->poll(flash->ctx);
 }
 
+/// Whether a geometry is one that this header allows. For implementations.
+static inline bool hal_flash_is_sound(const struct hal_flash_geometry *geometry) {
+    const uint32_t unit = geometry->unit_bytes;
+    return unit != 0U && (unit & (unit - 1U)) == 0U && geometry->sector_bytes != 0U &&
+           (geometry->sector_bytes & (unit - 1U)) == 0U && geometry->sector_count != 0U &&
+           (uint64_t)geometry->sector_count * geometry->sector_bytes < UINT64_C(0x80000000);
+}
+
 /// Whether size_bytes from address lie inside. For implementations.
 static inline bool hal_flash_has(const struct hal_flash_geometry *geometry, uint32_t address,
                                  uint32_t size_bytes) {

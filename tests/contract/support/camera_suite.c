@@ -343,6 +343,6 @@ void camera_suite(const struct camera_fixture *with) {
     CONTRACT(with->name, all_buffers_out);
     CONTRACT(with->name, requeue_knows_its_frames);
     CONTRACT(with->name, controls);
-    CONTRACT_IF(with->unplug, with->name, unplugged);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(with->unplug, "the rig can't unplug it", with->name, unplugged);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

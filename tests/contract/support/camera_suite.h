@@ -21,7 +21,7 @@ struct camera_fixture {
     void (*settle)(void *context);
     void (*unplug)(void *context);
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 /// Needs reset and settle.

@@ -386,12 +386,14 @@ void can_suite(const struct can_fixture *with) {
     CONTRACT(with->name, arguments);
     CONTRACT(with->name, boundary_frames);
     CONTRACT(with->name, order);
-    CONTRACT_IF(with->send_capacity, with->name, send_queue_full_and_drained);
-    CONTRACT_IF(with->receive_capacity, with->name, receive_queue_overflows);
+    CONTRACT_IF(with->send_capacity, "the bus can't be held up", with->name,
+                send_queue_full_and_drained);
+    CONTRACT_IF(with->receive_capacity, "the device loses nothing, or nobody knows when",
+                with->name, receive_queue_overflows);
     CONTRACT(with->name, filters_pass_what_they_say);
     CONTRACT(with->name, filters_keep_the_queue);
-    CONTRACT_IF(with->clock, with->name, arrival_times);
+    CONTRACT_IF(with->clock, "nothing to compare with", with->name, arrival_times);
     CONTRACT(with->name, healthy_state);
-    CONTRACT_IF(with->bus_off, with->name, bus_off_and_restart);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(with->bus_off, "the rig can't break the bus", with->name, bus_off_and_restart);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

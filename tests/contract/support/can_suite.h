@@ -19,7 +19,7 @@ struct can_fixture {
     /// Drives a into bus-off. The bus is well again afterwards.
     void (*bus_off)(void *context);
     /// Fails a call of a: see contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
     /// Frames that b's receive queue holds; 0: unknown.
     uint32_t receive_capacity;
     /// Frames that a's send queue holds while the bus is not let run (settle); 0: it runs by

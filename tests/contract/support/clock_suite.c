@@ -31,8 +31,11 @@ static void measures_time(void) {
 /// Timers must not notice that the number wraps.
 static void wraps_at_2_to_32(void) {
     const uint32_t start = UINT32_MAX - 4999U;
-    fixture->start_at(fixture->context, start);
-    const uint32_t before = hal_clock_now_us(fixture->clock);
+    uint32_t before = 0;
+    for (int i = 0; i < 100 && before < start; i++) { // a busy machine may stop us in between
+        fixture->start_at(fixture->context, start);
+        before = hal_clock_now_us(fixture->clock);
+    }
     CHECK(before >= start);
     const uint32_t deadline = before + 10000U;
     CHECK(deadline < before);
@@ -69,6 +72,7 @@ void clock_suite(const struct clock_fixture *with) {
     CONTRACT(with->name, every_op);
     CONTRACT(with->name, spans_and_deadlines);
     CONTRACT(with->name, never_backwards);
-    CONTRACT_IF(with->pass, with->name, measures_time);
-    CONTRACT_IF(with->start_at && with->pass, with->name, wraps_at_2_to_32);
+    CONTRACT_IF(with->pass, "the rig can't let time pass", with->name, measures_time);
+    CONTRACT_IF(with->start_at && with->pass, "the clock can't be set", with->name,
+                wraps_at_2_to_32);
 }

@@ -39,18 +39,22 @@ bool contract_failed(struct contract_plan *plan, enum hal_status status) {
 void contract_each_failure(const struct contract_failures *hands,
                            void (*exercise)(struct contract_plan *plan)) {
     const enum hal_status failures[] = {HAL_ERROR_IO, HAL_ERROR_GONE};
+    uint32_t possible = 0;
     for (size_t i = 0; i < sizeof failures / sizeof failures[0]; i++) {
         struct contract_plan plan = {.failure = failures[i]};
         do {
             plan.nth++;
             plan.calls = plan.failures = 0;
             hands->reset(hands->context);
-            hands->fail_at(hands->context, plan.nth, plan.failure);
+            if (!hands->fail_at(hands->context, plan.nth, plan.failure)) {
+                break;
+            }
+            possible++;
             exercise(&plan);
             // Each call had its turn; only when nth is beyond the last does none fail.
             CHECK_EQ(plan.failures, plan.nth <= plan.calls ? 1 : 0);
         } while (plan.failures != 0U && check_clean());
-        CHECK(plan.nth > 1U);
     }
+    CHECK(possible > 2U);
     hands->reset(hands->context);
 }

@@ -8,7 +8,8 @@
 /// memory functions.
 ///
 /// fail_at in fixtures: of the calls that get as far as the device (those with wrong arguments do
-/// not), the nth from now on, 1 being the next, fails with the status and has no effect.
+/// not), the nth from now on, 1 being the next, fails with the status and has no effect. false: the
+/// rig can't make it fail with that status.
 #ifndef CONTRACT_SUPPORT_CONTRACT_H
 #define CONTRACT_SUPPORT_CONTRACT_H
 
@@ -23,10 +24,10 @@ void contract_run(const char *device, const char *test, void (*function)(void));
 /// Prints `SKIP DEVICE.TEST: WHY`.
 void contract_skip(const char *device, const char *test, const char *why);
 
-/// Runs the test, or skips it because the fixture lacks what it needs.
-#define CONTRACT_IF(has, device, function)                                                         \
+/// Runs the test if the fixture has what it needs, else skips it.
+#define CONTRACT_IF(has, why_not, device, function)                                                \
     ((has) ? contract_run((device), #function, function)                                           \
-           : contract_skip((device), #function, "no " #has))
+           : contract_skip((device), #function, why_not))
 
 #define CONTRACT(device, function) contract_run((device), #function, function)
 
@@ -73,7 +74,7 @@ bool contract_failed(struct contract_plan *plan, enum hal_status status);
 struct contract_failures {
     void *context;
     void (*reset)(void *context);
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 void contract_each_failure(const struct contract_failures *hands,

@@ -228,7 +228,6 @@ static bool finish_exercise(struct contract_plan *plan) {
     enum hal_status status = HAL_BUSY;
     for (int i = 0; i < PATIENCE && status == HAL_BUSY; i++) {
         status = hal_flash_poll(fixture->flash);
-        plan->calls += status == HAL_BUSY ? 1U : 0U;
         fixture->settle(fixture->context);
     }
     return !contract_failed(plan, status);
@@ -287,12 +286,14 @@ void flash_suite(const struct flash_fixture *with) {
     const bool fits = size_bytes <= FLASH_SUITE_BYTES_MAX && unit_bytes <= 256U;
     CONTRACT(with->name, every_op);
     CONTRACT(with->name, geometry_is_sound);
-    CONTRACT_IF(fits, with->name, arguments);
-    CONTRACT_IF(fits, with->name, programs_what_it_is_given);
-    CONTRACT_IF(fits, with->name, erases_its_sector_only);
-    CONTRACT_IF(fits, with->name, bits_only_fall);
-    CONTRACT_IF(fits, with->name, one_operation_at_a_time);
-    CONTRACT_IF(fits, with->name, behaves_like_an_array);
-    CONTRACT_IF(fits && with->reopen, with->name, keeps_its_contents);
-    CONTRACT_IF(fits && with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(fits, "too large for the suite", with->name, arguments);
+    CONTRACT_IF(fits, "too large for the suite", with->name, programs_what_it_is_given);
+    CONTRACT_IF(fits, "too large for the suite", with->name, erases_its_sector_only);
+    CONTRACT_IF(fits, "too large for the suite", with->name, bits_only_fall);
+    CONTRACT_IF(fits, "too large for the suite", with->name, one_operation_at_a_time);
+    CONTRACT_IF(fits, "too large for the suite", with->name, behaves_like_an_array);
+    CONTRACT_IF(fits && with->reopen, "the rig can't switch it off", with->name,
+                keeps_its_contents);
+    CONTRACT_IF(fits && with->fail_at, "the rig can't make calls fail", with->name,
+                fails_at_every_call);
 }

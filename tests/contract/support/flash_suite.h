@@ -19,8 +19,9 @@ struct flash_fixture {
     void (*settle)(void *context);
     /// Power off and on, or the file closed and opened again.
     void (*reopen)(void *context);
-    /// See contract.h. A poll that fails means that the operation has failed.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    /// See contract.h. Calls that answer HAL_BUSY do not count. A poll that fails means that the
+    /// operation has failed.
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 /// Needs reset and settle.

@@ -131,7 +131,7 @@ void gpio_suite(const struct gpio_fixture *with) {
     CONTRACT(with->name, arguments);
     CONTRACT(with->name, outputs_start_as_the_table_says);
     CONTRACT(with->name, outputs_keep_apart);
-    CONTRACT_IF(with->drive, with->name, inputs_follow_their_pins);
+    CONTRACT_IF(with->drive, "nothing drives the inputs", with->name, inputs_follow_their_pins);
     CONTRACT(with->name, open_inputs_are_pulled);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

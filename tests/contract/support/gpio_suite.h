@@ -19,7 +19,7 @@ struct gpio_fixture {
     /// The level at a pin.
     bool (*is_high)(void *context, uint32_t line);
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 void gpio_suite(const struct gpio_fixture *fixture);

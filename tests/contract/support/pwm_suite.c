@@ -189,11 +189,12 @@ void pwm_suite(const struct pwm_fixture *with) {
     CONTRACT(with->name, every_op);
     CONTRACT(with->name, arguments);
     CONTRACT(with->name, limits_make_sense);
-    CONTRACT_IF(with->measure, with->name, silent_after_reset);
-    CONTRACT_IF(with->measure, with->name, pulse_widths);
-    CONTRACT_IF(with->measure && with->channel_count <= CHANNELS_MAX, with->name,
-                channels_keep_apart);
-    CONTRACT_IF(with->measure, with->name, periods);
-    CONTRACT_IF(with->measure, with->name, shortest_period);
-    CONTRACT_IF(with->measure && with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(with->measure, "nothing measures the pulses", with->name, silent_after_reset);
+    CONTRACT_IF(with->measure, "nothing measures the pulses", with->name, pulse_widths);
+    CONTRACT_IF(with->measure && with->channel_count <= CHANNELS_MAX, "nothing measures the pulses",
+                with->name, channels_keep_apart);
+    CONTRACT_IF(with->measure, "nothing measures the pulses", with->name, periods);
+    CONTRACT_IF(with->measure, "nothing measures the pulses", with->name, shortest_period);
+    CONTRACT_IF(with->measure && with->fail_at, "the rig can't make calls fail", with->name,
+                fails_at_every_call);
 }

@@ -4,6 +4,8 @@
 
 #include "hal/pwm.h"
 
+#include <stdbool.h>
+
 struct pwm_fixture {
     const char *name;
     const struct hal_pwm *pwm;
@@ -16,7 +18,7 @@ struct pwm_fixture {
     /// How far a measurement may be off.
     uint32_t measure_error_ns;
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 void pwm_suite(const struct pwm_fixture *fixture);

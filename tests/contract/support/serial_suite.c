@@ -341,7 +341,9 @@ void serial_suite(const struct serial_fixture *with) {
     CONTRACT(with->name, read_in_pieces);
     CONTRACT(with->name, long_talk);
     CONTRACT(with->name, send_buffer_full_and_drained);
-    CONTRACT_IF(with->receive_capacity, with->name, receive_buffer_overflows);
-    CONTRACT_IF(with->hang_up, with->name, cut_after_every_call);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    if (with->receive_capacity != 0U) {
+        CONTRACT(with->name, receive_buffer_overflows);
+    }
+    CONTRACT_IF(with->hang_up, "the rig can't cut the line", with->name, cut_after_every_call);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

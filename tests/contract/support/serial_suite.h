@@ -4,6 +4,8 @@
 
 #include "hal/serial.h"
 
+#include <stdbool.h>
+
 struct serial_fixture {
     const char *name;
     const struct hal_serial *serial;
@@ -18,8 +20,9 @@ struct serial_fixture {
     /// Cuts the line for good, until reset.
     void (*hang_up)(void *context);
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
-    /// Bytes that the device holds unread before it loses the next; 0: unknown, or it loses none.
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    /// Bytes that the device holds unread before it loses the next; 0: it loses none (the peer is
+    /// held up instead).
     size_t receive_capacity;
 };
 

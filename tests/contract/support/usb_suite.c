@@ -316,10 +316,10 @@ void usb_suite(const struct usb_fixture *with) {
     CONTRACT(with->name, short_and_cut_reads);
     CONTRACT(with->name, refused_request);
     CONTRACT(with->name, many_at_once);
-    CONTRACT_IF(echoes, with->name, bulk_echo);
-    CONTRACT_IF(echoes, with->name, read_waits_for_data);
-    CONTRACT_IF(echoes, with->name, timeout_ends_a_read);
-    CONTRACT_IF(echoes, with->name, cancel_ends_a_read);
-    CONTRACT_IF(with->unplug, with->name, unplugged_mid_transfer);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(echoes, "the device has no echo endpoints", with->name, bulk_echo);
+    CONTRACT_IF(echoes, "the device has no echo endpoints", with->name, read_waits_for_data);
+    CONTRACT_IF(echoes, "the device has no echo endpoints", with->name, timeout_ends_a_read);
+    CONTRACT_IF(echoes, "the device has no echo endpoints", with->name, cancel_ends_a_read);
+    CONTRACT_IF(with->unplug, "the rig can't unplug it", with->name, unplugged_mid_transfer);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

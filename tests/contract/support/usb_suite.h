@@ -5,6 +5,8 @@
 
 #include "hal/usb.h"
 
+#include <stdbool.h>
+
 struct usb_fixture {
     const char *name;
     const struct hal_usb *usb;
@@ -17,7 +19,7 @@ struct usb_fixture {
     void (*settle)(void *context);
     void (*unplug)(void *context);
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
     /// Bulk endpoints: what goes out at one comes in at the other, a transfer for a transfer.
     /// 0: none.
     uint8_t echo_out, echo_in;

@@ -128,5 +128,5 @@ void watchdog_suite(const struct watchdog_fixture *with) {
     CONTRACT(with->name, fed_in_time_it_rests);
     CONTRACT(with->name, hungry_it_fires);
     CONTRACT(with->name, reset_cause_is_told);
-    CONTRACT_IF(with->fail_at, with->name, fails_at_every_call);
+    CONTRACT_IF(with->fail_at, "the rig can't make calls fail", with->name, fails_at_every_call);
 }

@@ -20,7 +20,7 @@ struct watchdog_fixture {
     /// The board comes up again after that.
     void (*come_up)(void *context);
     /// See contract.h.
-    void (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };
 
 /// Needs all hands but fail_at.

@@ -1,0 +1,184 @@
+#include "contract/support/syscalls.h"
+
+#include <aio.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+static struct {
+    uint32_t nth, count;
+    enum syscalls_fate fate;
+    int error_number;
+    bool ignored;
+} plan;
+
+void syscalls_at(uint32_t nth, enum syscalls_fate fate, int error_number) {
+    plan.nth = nth;
+    plan.count = 0;
+    plan.fate = fate;
+    plan.error_number = error_number;
+}
+
+uint32_t syscalls_count(void) {
+    return plan.count;
+}
+
+bool syscalls_met(void) {
+    return plan.nth != 0U && plan.count >= plan.nth;
+}
+
+void syscalls_watch(bool watch) {
+    plan.ignored = !watch;
+}
+
+static void die(void) {
+    kill(getpid(), SIGKILL);
+    pause();
+}
+
+/// Counts a call; whether it is the one.
+static bool is_due(void) {
+    if (plan.ignored) {
+        return false;
+    }
+    plan.count++;
+    if (plan.count != plan.nth) {
+        return false;
+    }
+    if (plan.fate == SYSCALLS_KILL_BEFORE) {
+        die();
+    }
+    return true;
+}
+
+/// What a call that is due gives instead of its work; false: it does its work and dies then.
+static bool is_replaced(int *result) {
+    if (plan.fate == SYSCALLS_FAIL) {
+        errno = plan.error_number;
+        *result = -1;
+        return true;
+    }
+    *result = 0;
+    return plan.fate == SYSCALLS_ZERO;
+}
+
+/// The C library's own function of that name.
+static void find(void *function, const char *name) {
+    void *const found = dlsym(RTLD_NEXT, name);
+    if (found == NULL) {
+        fprintf(stderr, "no %s in the C library\n", name);
+        abort();
+    }
+    memcpy(function, &found, sizeof found); // ISO C has no cast from void * to a function
+}
+
+/// A call without a middle: declares the real function, counts, fails or dies.
+#define PASS_ON(type, name, parameters, arguments)                                                 \
+    type name parameters {                                                                         \
+        type(*real) parameters;                                                                    \
+        find(&real, #name);                                                                        \
+        const bool due = is_due();                                                                 \
+        int result;                                                                                \
+        if (due && is_replaced(&result)) {                                                         \
+            return (type)result;                                                                   \
+        }                                                                                          \
+        const type got = real arguments;                                                           \
+        if (due) {                                                                                 \
+            die();                                                                                 \
+        }                                                                                          \
+        return got;                                                                                \
+    }
+
+PASS_ON(ssize_t, read, (int fd, void *data, size_t size), (fd, data, size))
+PASS_ON(ssize_t, write, (int fd, const void *data, size_t size), (fd, data, size))
+PASS_ON(ssize_t, pread, (int fd, void *data, size_t size, off_t at), (fd, data, size, at))
+PASS_ON(int, close, (int fd), (fd))
+PASS_ON(int, fsync, (int fd), (fd))
+PASS_ON(int, fdatasync, (int fd), (fd))
+PASS_ON(int, ftruncate, (int fd, off_t size), (fd, size))
+PASS_ON(int, flock, (int fd, int operation), (fd, operation))
+PASS_ON(int, fstat, (int fd, struct stat *about), (fd, about))
+PASS_ON(int, rename, (const char *from, const char *to), (from, to))
+PASS_ON(int, tcgetattr, (int fd, struct termios *settings), (fd, settings))
+PASS_ON(int, tcsetattr, (int fd, int when, const struct termios *settings), (fd, when, settings))
+PASS_ON(int, tcflush, (int fd, int queue), (fd, queue))
+PASS_ON(int, aio_fsync, (int operation, struct aiocb *control), (operation, control))
+
+/// Its failure is what an operation in the background ended with.
+int aio_error(const struct aiocb *control) {
+    int (*real)(const struct aiocb *);
+    find(&real, "aio_error");
+    const int got = real(control);
+    if (got == EINPROGRESS || !is_due()) { // how often it is in progress is chance: not counted
+        return got;
+    }
+    int result;
+    return is_replaced(&result) ? plan.error_number : (die(), 0);
+}
+
+ssize_t pwrite(int fd, const void *data, size_t size, off_t at) {
+    ssize_t (*real)(int, const void *, size_t, off_t);
+    find(&real, "pwrite");
+    const bool due = is_due();
+    int result;
+    if (due && is_replaced(&result)) {
+        return result;
+    }
+    const size_t part = due && plan.fate == SYSCALLS_KILL_TORN ? size / 2U : size;
+    const ssize_t got = real(fd, data, part, at);
+    if (due) {
+        die();
+    }
+    return got;
+}
+
+int open(const char *path, int flags, ...) {
+    int (*real)(const char *, int, ...);
+    find(&real, "open");
+    mode_t mode = 0;
+    if ((flags & O_CREAT) != 0) {
+        va_list rest;
+        va_start(rest, flags);
+        mode = va_arg(rest, mode_t);
+        va_end(rest);
+    }
+    const bool due = is_due();
+    int result;
+    if (due && is_replaced(&result)) {
+        return result;
+    }
+    const int fd = real(path, flags, mode);
+    if (due) {
+        die();
+    }
+    return fd;
+}
+
+int ioctl(int fd, unsigned long request, ...) {
+    int (*real)(int, unsigned long, ...);
+    find(&real, "ioctl");
+    va_list rest;
+    va_start(rest, request);
+    void *const argument = va_arg(rest, void *);
+    va_end(rest);
+    const bool due = is_due();
+    int result;
+    if (due && is_replaced(&result)) {
+        return result;
+    }
+    const int got = real(fd, request, argument);
+    if (due) {
+        die();
+    }
+    return got;
+}

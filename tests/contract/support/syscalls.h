@@ -1,0 +1,35 @@
+/// System calls that fail to order, or at which the program is killed.
+///
+/// syscalls.c defines read, write, open and so on itself and hands them on to the C library, so the
+/// drivers of hal/linux that are linked into the same test program call these. Only programs that
+/// use this header get them.
+#ifndef CONTRACT_SUPPORT_SYSCALLS_H
+#define CONTRACT_SUPPORT_SYSCALLS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum syscalls_fate {
+    /// Fails with the errno, with no effect.
+    SYSCALLS_FAIL,
+    /// Gives 0 (the end of a file, nothing written).
+    SYSCALLS_ZERO,
+    /// SIGKILL, before, in the middle of (a write: half of it) or after it.
+    SYSCALLS_KILL_BEFORE,
+    SYSCALLS_KILL_TORN,
+    SYSCALLS_KILL_AFTER
+};
+
+/// The nth call from now (1: the next) meets its fate; nth 0: none does. Counts from 0 again.
+void syscalls_at(uint32_t nth, enum syscalls_fate fate, int error_number);
+
+/// Calls since syscalls_at.
+uint32_t syscalls_count(void);
+
+/// Whether the nth call has come.
+bool syscalls_met(void);
+
+/// false: calls go through uncounted, for what a test does on the far side. true at first.
+void syscalls_watch(bool watch);
+
+#endif
