@@ -4,9 +4,11 @@
 #include "make_folder.h"
 #include "scenario.h"
 
+#include "view/progress.h"
 #include "view/report.h"
 #include "view/story.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>
@@ -30,6 +32,8 @@ struct run {
     struct scenario scenario;
     struct sim *sim;
     struct story story;
+    struct progress progress;
+    bool watched; ///< progress is told
     double wall_s;
 };
 
@@ -47,8 +51,8 @@ static const struct option options[] = {
      offsetof(struct settings, seconds_text), NULL},
     {"--speed", "X|max", "times as fast as the clock, or as fast as it goes (default: max)",
      option_text, offsetof(struct settings, speed_text), NULL},
-    {"--report", "DIR", "write DIR/report.html with plots and pictures", option_text,
-     offsetof(struct settings, report), NULL},
+    {"--report", "DIR", "write DIR/report.html with plots and pictures, and the pictures alone",
+     option_text, offsetof(struct settings, report), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
     OPTION_JSON(struct settings),
 };
@@ -59,15 +63,30 @@ static double now_s(void) {
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-static void tell_progress(void *context, const struct story_line *line) {
-    (void)context;
-    fprintf(stderr, "%-8s %3u targets  pan %7.2f  tilt %6.2f  half-angle %6.2f  f %5.1f mm  ",
-            line->name, line->target_count, line->pan_deg, line->tilt_deg, line->half_angle_deg,
-            line->focal_mm);
-    if (line->settle_s >= 0.0) {
-        fprintf(stderr, "settled in %.1f s, error %.4f deg\n", line->settle_s, line->error_deg);
-    } else {
-        fprintf(stderr, "not settled\n");
+static void tell_subject(void *context, const struct story_line *line) {
+    struct run *run = context;
+    const char *noun = run->scenario.schedule.noun;
+    const struct progress_subject subject = {.name = line->name,
+                                             .count = line->target_count,
+                                             .noun = noun != NULL ? noun : "targets",
+                                             .pan_deg = line->pan_deg,
+                                             .tilt_deg = line->tilt_deg,
+                                             .half_angle_deg = line->half_angle_deg,
+                                             .focal_mm = line->focal_mm,
+                                             .settled_s = line->settle_s,
+                                             .error_deg = line->error_deg};
+    progress_subject(&run->progress, &subject);
+}
+
+/// Now and then: where the run is.
+static void show_status(struct run *run) {
+    const struct sim *sim = run->sim;
+    if (sim->tick % 256U == 0U) {
+        char text[80];
+        snprintf(text, sizeof text, "%.1f s, %s", (double)sim->time_us * 1e-6,
+                 controller_mode_name(sim->controller.mode));
+        progress_status(&run->progress, (double)sim->time_us / (double)run->scenario.duration_us,
+                        text);
     }
 }
 
@@ -85,11 +104,17 @@ static void run_sim(struct run *run, double speed) {
     while (run->sim->time_us < run->scenario.duration_us) {
         sim_step(run->sim);
         story_step(&run->story);
+        if (run->watched) {
+            show_status(run);
+        }
         if (speed > 0.0) {
             keep_pace(run->sim, start_s, speed);
         }
     }
     run->wall_s = now_s() - start_s;
+    if (run->watched) {
+        progress_end(&run->progress);
+    }
 }
 
 // ---------------------------------------------------------------- results
@@ -179,12 +204,30 @@ static enum exit_status simulate(const struct command *command, const struct set
         message_command(command->name, "no memory for the simulation");
         return EXIT_STATUS_FAILURE;
     }
-    if (!settings->quiet && !settings->json) {
-        fprintf(stderr, "%s\n", run->scenario.name);
-        run->story.tell = tell_progress;
+    run->watched = !settings->quiet && !settings->json;
+    if (run->watched) {
+        progress_start(&run->progress, stderr, stderr);
+        progress_line(&run->progress, run->scenario.name);
+        run->story.tell = tell_subject;
+        run->story.tell_context = run;
     }
     run_sim(run, settings->speed);
     return conclude(command, settings, run);
+}
+
+/// DIR/1-03-Aur.svg: the third picture of the first chapter. Letters and digits of its title only.
+static bool write_picture(const char *folder, size_t chapter, size_t number,
+                          const struct report_picture *picture) {
+    char name[32], path[4096];
+    size_t size = 0;
+    for (const char *at = picture->title; *at != '\0' && size + 1U < sizeof name; at++) {
+        if (isalnum((unsigned char)*at)) {
+            name[size++] = *at;
+        }
+    }
+    name[size] = '\0';
+    snprintf(path, sizeof path, "%s/%zu-%02zu-%s.svg", folder, chapter + 1U, number + 1U, name);
+    return report_picture_svg(picture, path);
 }
 
 static enum exit_status write_report(const struct command *command, const char *folder,
@@ -192,18 +235,22 @@ static enum exit_status write_report(const struct command *command, const char *
     const struct report *chapters[RUNS_MOST];
     char path[4096];
     snprintf(path, sizeof path, "%s/report.html", folder);
+    bool complete = true, written = make_folder(folder);
     for (size_t i = 0; i < count; i++) {
         chapters[i] = &runs[i].story.report;
-        if (!runs[i].story.complete) {
-            message_command(command->name, "no memory for the whole report");
-            return EXIT_STATUS_FAILURE;
+        complete = complete && runs[i].story.complete;
+        for (size_t k = 0; written && k < chapters[i]->picture_count; k++) {
+            written = write_picture(folder, i, k, &chapters[i]->pictures[k]);
         }
     }
-    if (!make_folder(folder) || !report_write(chapters, count, path)) {
+    if (!complete) {
+        message_command(command->name, "no memory for the whole report");
+    } else if (!written || !report_write(chapters, count, path)) {
         message_at(path, 0, "%s", strerror(errno));
-        return EXIT_STATUS_FAILURE;
+    } else {
+        return EXIT_STATUS_OK;
     }
-    return EXIT_STATUS_OK;
+    return EXIT_STATUS_FAILURE;
 }
 
 /// Runs the scenarios one after the other; stops at the first that fails.

@@ -160,6 +160,7 @@ enum exit_status load_stars(const char *path, const struct star_show *show,
                             struct schedule *schedule) {
     struct star *stars = NULL;
     size_t count = 0;
+    schedule->noun = "stars";
     enum exit_status status = read_catalogue(path, show, schedule, &stars, &count);
     for (uint32_t i = 0; status == EXIT_STATUS_OK && i < show->figures.count; i++) {
         const uint64_t at_us = (uint64_t)(show->start_us + (int64_t)i * show->dwell_us);
@@ -220,6 +221,7 @@ enum exit_status load_boxes(const char *path, const struct box_camera *camera,
         free(csv);
         return EXIT_STATUS_USAGE;
     }
+    schedule->noun = "corners";
     enum exit_status status = EXIT_STATUS_OK;
     enum lines_status read = LINES_OK;
     uint64_t next_frame_us = 0, last_us = 0;

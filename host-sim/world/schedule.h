@@ -37,6 +37,7 @@ struct schedule_mover {
 };
 
 struct schedule {
+    const char *noun;            ///< what the targets are: "stars"; NULL: "targets"
     struct schedule_item *items; ///< ascending in time
     size_t item_count, item_capacity;
     struct schedule_subject *subjects;
