@@ -255,19 +255,21 @@ static void noise(void) {
 
 static void speed(void) {
     enum { LINES = 200000 };
-    FILE *const stream = tmpfile();
+    char *text;
+    size_t size;
+    FILE *const written = open_memstream(&text, &size);
     uint64_t seed = 1;
     for (int i = 0; i < LINES; i++) {
-        const int x = (int)(check_random(&seed) % 1000000U),
-                  y = (int)(check_random(&seed) % 1000000U);
-        fprintf(stream, "%d.%06d %d.%06d 2.5\n", x % 100, x, y % 100 - 50, y);
+        const int x = (int)(check_random(&seed) % 1000000U);
+        const int y = (int)(check_random(&seed) % 1000000U);
+        fprintf(written, "%d.%06d %d.%06d 2.5\n", x % 100, x, y % 100 - 50, y);
     }
-    rewind(stream);
+    fclose(written);
     struct points points;
     const clock_t start = clock();
-    CHECK_EQ(points_read_stream(stream, "f", &xyz, &points), EXIT_STATUS_OK);
+    CHECK_EQ(read_sized(text, size, &xyz, &points), EXIT_STATUS_OK);
     const clock_t end = clock();
-    fclose(stream);
+    free(text);
     CHECK_EQ(points.count, LINES);
     points_free(&points);
     const int64_t nanoseconds = (end - start) * (INT64_C(1000000000) / CLOCKS_PER_SEC) / LINES;
