@@ -392,6 +392,12 @@ static void draw_scale(FILE *out, const struct report_picture *picture, const st
     static const double angles_deg[] = {60,  45,  30,  20,   15,   10,   5,     2,     1,
                                         0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001};
     double y_px = view->height_px - SCALE_PX / 2;
+    // A cone that leaves the drawing must not run through the text.
+    fputs("<rect class=\"strip\" y=\"", out);
+    markup_px(out, view->height_px - SCALE_PX);
+    fprintf(out, "\" width=\"%d\" height=\"", PICTURE_WIDTH_PX);
+    markup_px(out, SCALE_PX);
+    fputs("\"/>\n", out);
     double left_px = fmax(view->centre_x_px - view->half_width_px, MARGIN_PX);
     double right_px = fmin(view->centre_x_px + view->half_width_px, PICTURE_WIDTH_PX - MARGIN_PX);
     for (unsigned i = 0; i < sizeof angles_deg / sizeof *angles_deg; i++) {

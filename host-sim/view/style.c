@@ -78,7 +78,8 @@ const char style_page[] =
     ".picture dl{display:grid;grid-template-columns:repeat(3,1fr);gap:.3rem .8rem;margin:0}\n"
     ".picture dd{color:var(--ink)}\n"
     ".picture p{margin:.35rem 0 0}\n" PICTURE_SHAPES
-    ".sensor{fill:var(--sensor)}.veil{fill:var(--beside);fill-opacity:.78}\n"
+    ".sensor{fill:var(--sensor)}.veil{fill:var(--beside);fill-opacity:.78}"
+    ".strip{fill:var(--beside)}\n"
     ".background{stroke:var(--background)}.frame,.bracket{stroke:var(--frame)}\n"
     ".cone,.miss{stroke:var(--cone)}.cone-axis{fill:var(--cone);stroke:none}\n"
     ".boresight,.scale{stroke:var(--cross)}.target{fill:var(--target);stroke:var(--target)}\n"
@@ -97,7 +98,7 @@ const char style_picture[] =
     "text{font-family:" SANS ";fill:#e4e7ea}\n"
     ".card{fill:#12161b}.edge{fill:none;stroke:#3c454f}\n"
     ".title{font-weight:600}.fact{font-size:12px}.name{fill:#9ba5af}\n" PICTURE_SHAPES
-    ".sensor{fill:#0f1824}.veil{fill:#0b0e12;fill-opacity:.78}\n"
+    ".sensor{fill:#0f1824}.veil{fill:#0b0e12;fill-opacity:.78}.strip{fill:#0b0e12}\n"
     ".background{stroke:#93a3b5}.frame,.bracket{stroke:#8b97a3}\n"
     ".cone,.miss{stroke:#56b4e9}.cone-axis{fill:#56b4e9}\n"
     ".boresight,.scale{stroke:#f2f4f6}.target{fill:#ffd76a;stroke:#ffd76a}\n"

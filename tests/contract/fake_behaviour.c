@@ -9,6 +9,7 @@
 #include "devices/fake_pwm.h"
 #include "devices/fake_serial.h"
 #include "devices/fake_usb.h"
+#include "devices/fake_watchdog.h"
 
 #include <signal.h>
 #include <string.h>
@@ -130,6 +131,10 @@ static void pwm_timers_are_apart(void) {
     for (uint32_t channel = 0; channel < 6U; channel++) {
         CHECK_EQ(fake_pwm_period_ns(&pwm, channel), channel < 4U ? 3000000 : FAKE_PWM_PERIOD_NS);
     }
+    CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 5, 2600000), HAL_OK);
+    CHECK_EQ(hal_pwm_set_period(&pwm.hal, 0, 2500000), HAL_OK); // not its timer's pulse
+    CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 3, 2400000), HAL_OK);
+    CHECK_EQ(hal_pwm_set_period(&pwm.hal, 0, 2400000), HAL_ERROR_ARGUMENT);
 }
 
 static void serial_counts_damage(void) {
@@ -165,6 +170,16 @@ static void usb_model_sees_the_request(void) {
     CHECK(done == &transfer);
     CHECK(seen.request_type == 0x40U && seen.request == 0x85U && seen.value == 6000U &&
           seen.index == 3U);
+}
+
+/// The board is already being reset when a feed comes late.
+static void watchdog_is_not_fed_too_late(void) {
+    struct fake_watchdog watchdog;
+    fake_watchdog_init(&watchdog, &clock_.hal, HAL_RESET_POWER_ON);
+    CHECK_EQ(hal_watchdog_start(&watchdog.hal, 1000), HAL_OK);
+    fake_clock_advance(&clock_, 1001);
+    CHECK_EQ(hal_watchdog_feed(&watchdog.hal), HAL_OK);
+    CHECK(fake_watchdog_has_fired(&watchdog));
 }
 
 static void paint_number(void *ctx, uint8_t *picture, const struct hal_camera_format *format,
@@ -334,6 +349,26 @@ static void flash_tears_differ(void) {
     CHECK(untouched > 20U && done > 20U && mixed > 100U && anything > 20U);
 }
 
+/// An operation that fails to order is done in part: some units, then one torn, then none.
+static void flash_fails_in_part(void) {
+    uint32_t whole = 0, none = 0, torn = 0;
+    for (uint64_t seed = 1; seed <= 100U; seed++) {
+        new_flash(seed);
+        fake_failures_at(&flash.failures, 2, 1, HAL_ERROR_IO); // the poll
+        CHECK_EQ(write_some(), HAL_ERROR_IO);
+        CHECK_EQ(flash.operation_count >= 1U && flash.operation_count <= UNITS, true);
+        expect_cut(flash.operation_count, FAKE_FLASH_CUT_TORN);
+        const uint8_t *unit = memory + flash.operation_count * UNIT;
+        const uint8_t *goal = wanted + flash.operation_count * UNIT;
+        none += memcmp(unit, before, UNIT) == 0;
+        whole += memcmp(unit, goal, UNIT) == 0;
+        torn += memcmp(unit, before, UNIT) != 0 && memcmp(unit, goal, UNIT) != 0;
+        CHECK_EQ(write_some(), HAL_OK);
+        CHECK(memcmp(memory, wanted, SIZE) == 0);
+    }
+    CHECK(torn > 20U && none + whole < 90U);
+}
+
 /// Half-programmed bits read differently each time, all others do not; programming settles them.
 static void flash_torn_bits_are_unstable(void) {
     new_flash(7);
@@ -438,10 +473,12 @@ int main(void) {
     TEST(pwm_timers_are_apart);
     TEST(serial_counts_damage);
     TEST(usb_model_sees_the_request);
+    TEST(watchdog_is_not_fed_too_late);
     TEST(camera_loses_and_damages);
     TEST(flash_cut_at_every_operation);
     TEST(flash_cut_while_busy);
     TEST(flash_tears_differ);
+    TEST(flash_fails_in_part);
     TEST(flash_torn_bits_are_unstable);
     TEST(flash_bits_rot);
     TEST(wrong_set_up_ends_the_program);

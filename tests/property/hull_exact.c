@@ -167,46 +167,15 @@ static bool check_small(const struct vec3 *points, uint32_t count) {
 
 // ---------------------------------------------------------------- small integers, all of them
 
-static struct vec3 direction[26];
-
-static void start_directions(void) {
-    unsigned n = 0;
-    for (int32_t i = 0; i < 27; i++) {
-        if (i != 13) {
-            direction[n++] = vec3(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-        }
-    }
-}
-
 /// In a random order, so that any of the points is the first.
-static void check_shuffled(struct vec3 *points, uint32_t count) {
-    for (uint32_t i = count; i > 1U; i--) {
-        const uint32_t j = below(i);
-        const struct vec3 swap = points[i - 1U];
-        points[i - 1U] = points[j];
-        points[j] = swap;
-    }
-    check_small(points, count);
-}
-
 static void every_set_of_up_to_seven(void) {
     for (uint32_t set = 1; set < UINT32_C(1) << 26 && check_clean(); set++) {
-        uint32_t rest = set, count = 0;
-        while (rest != 0U && count <= 7U) {
-            rest &= rest - 1U;
-            count++;
-        }
-        if (count > 7U) {
-            continue;
-        }
         struct vec3 points[7];
-        count = 0;
-        for (unsigned i = 0; i < 26U; i++) {
-            if ((set >> i & 1U) != 0U) {
-                points[count++] = direction[i];
-            }
+        const uint32_t count = cone_sets_of_bits(set, 7, points);
+        if (count != 0U) {
+            cone_sets_shuffle(&seed, points, count);
+            check_small(points, count);
         }
-        check_shuffled(points, count);
     }
 }
 
@@ -216,7 +185,7 @@ static void every_sequence_of_up_to_four(void) {
         uint32_t count = 0;
         for (uint32_t rest = i; rest != 0U; rest /= 27U) {
             if (rest % 27U != 0U) { // the digit 0 is no point
-                points[count++] = direction[rest % 27U - 1U];
+                count += cone_sets_of_bits(UINT32_C(1) << (rest % 27U - 1U), 1, &points[count]);
             }
         }
         if (count != 0U) {
@@ -307,7 +276,6 @@ int main(void) {
     seed = seed_text != NULL ? strtoull(seed_text, NULL, 0) | 1U : 19720613U;
     small_count = count_text != NULL ? strtoul(count_text, NULL, 0) : small_count;
     printf("# seed %llu, %lu random small sets\n", (unsigned long long)seed, small_count);
-    start_directions();
     TEST(every_set_of_up_to_seven);
     TEST(every_sequence_of_up_to_four);
     TEST(random_small_sets);

@@ -157,6 +157,36 @@ static void surrounded_viewpoints(void) {
     CHECK(is_witness(exactly, &result));
 }
 
+/// Feasible by so little that rounded directions surround the viewpoint; found by random search.
+/// The last point turned to the other side of zero makes it infeasible.
+static void one_unit_from_the_boundary(void) {
+    struct vec3 points[] = {{2147483646, 2147483647, 1},
+                            {-2147483647, 2, 2147483647},
+                            {1, INT32_MIN, 1073741824},
+                            {2147483646, 2147483647, 1073741824},
+                            {2147483646, 2147483647, 2147483647},
+                            {1, 1, 2147483646},
+                            {INT32_MIN, INT32_MIN, 0},
+                            {-2147483647, 1, 1073741823},
+                            {-1, -1, 1073741823},
+                            {-1, -1, 1},
+                            {0, 1073741824, 2147483647}};
+    const uint64_t quarter = UINT64_C(1) << 62;
+    struct cone_result result;
+    CHECK_EQ(solve(points, 11, &result), CONE_OK);
+    CHECK_NEAR(result.half_angle_turn64, quarter, (int64_t)EXCESS_TURN64_MAX);
+    holds_all(points, 11, &result);
+    points[9] = vec3(1, 1, -1);
+    CHECK_EQ(solve(points, 11, &result), CONE_INFEASIBLE);
+    CHECK(is_witness(points, &result));
+    // Zero is exactly on the border; with one unit more, it is just outside.
+    struct vec3 border[] = {{3, -7, 26},   {-6, 12, -21},  {30, 12, -13}, {-16, 20, 6},
+                            {-6, 19, 11},  {-16, 29, -25}, {15, 7, 4},    {-23, 3, 16},
+                            {-31, -4, -4}, {-2, -6, 16},   {39, 28, -60}};
+    CHECK_EQ(solve(border, 11, &result), CONE_INFEASIBLE);
+    CHECK(is_witness(border, &result));
+}
+
 static void errors(void) {
     const struct vec3 points[] = {{1, 2, 3}, {0, 0, 0}};
     struct cone_result result;
@@ -173,6 +203,7 @@ int main(void) {
     TEST(centres_of_known_sets);
     TEST(one_and_two_directions);
     TEST(surrounded_viewpoints);
+    TEST(one_unit_from_the_boundary);
     TEST(errors);
     return check_finish();
 }

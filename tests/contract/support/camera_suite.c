@@ -89,6 +89,7 @@ static void formats_are_negotiated(void) {
     const struct hal_camera_format wishes[] = {
         {0},
         {.pixels = HAL_CAMERA_GREY, .width_px = 1, .height_px = 1, .interval_us = 1},
+        {.pixels = HAL_CAMERA_YUYV, .width_px = 33, .height_px = 33},
         {.pixels = HAL_CAMERA_YUYV, .width_px = 161, .height_px = 121},
         {.pixels = HAL_CAMERA_MJPEG,
          .width_px = UINT32_MAX,

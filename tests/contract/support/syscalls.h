@@ -32,4 +32,7 @@ bool syscalls_met(void);
 /// false: calls go through uncounted, for what a test does on the far side. true at first.
 void syscalls_watch(bool watch);
 
+/// Descriptors that are open: the same before and after whatever should leave none behind.
+uint32_t syscalls_open_files(void);
+
 #endif

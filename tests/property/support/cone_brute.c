@@ -108,10 +108,11 @@ bool brute_zero_in_hull(const struct vec3 *points, unsigned count) {
 /// tells the angle better than the radius.
 #define NEAR_QUARTER_R2 (1.0L - 1e-6L)
 
-/// The largest need found so far.
+/// The largest need found so far, and whether rounding left it open.
 struct need {
     long double radius2;  // of the circle, below NEAR_QUARTER_R2; 0 at first
     long double distance; // of the plane from the centre, if smaller than 1e-3; 1 at first
+    bool uncertain;
 };
 
 static void add_need(struct need *need, long double radius2, long double distance) {
@@ -139,12 +140,24 @@ static void need_of_two(const struct brute *brute, unsigned i, unsigned j, long 
     add_need(need, chord2_ij / 4.0L, sqrtl(norm2(sum)) / 2.0L);
 }
 
+/// A side shorter than 1e-7 leaves the angles at its ends uncertain by 1e-12 and more, which only
+/// matters where the others are almost diameters.
+#define SHORT_CHORD2 1e-14L
+#define LONG_CHORD2  (4.0L * NEAR_QUARTER_R2)
+
+static bool is_uncertain(long double a2, long double b2, long double c2) {
+    return fminl(a2, fminl(b2, c2)) < SHORT_CHORD2 && fmaxl(a2, fmaxl(b2, c2)) > LONG_CHORD2;
+}
+
 /// Three points need more than two of them only if their triangle is acute. a2, b2 and c2 are the
 /// squared sides opposite i, j and k.
 static void need_of_three(const struct brute *brute, unsigned i, unsigned j, unsigned k,
                           long double a2, long double b2, long double c2, struct need *need) {
-    if (a2 >= b2 + c2 || b2 >= a2 + c2 || c2 >= a2 + b2 || a2 < NEAR_CHORD2 || b2 < NEAR_CHORD2 ||
-        c2 < NEAR_CHORD2) {
+    if (fminl(a2, fminl(b2, c2)) < NEAR_CHORD2) {
+        return;
+    }
+    need->uncertain = need->uncertain || is_uncertain(a2, b2, c2);
+    if (a2 >= b2 + c2 || b2 >= a2 + c2 || c2 >= a2 + b2) {
         return;
     }
     // The product of the shortest side with another: that of two long ones would lose digits.
@@ -167,9 +180,9 @@ static void need_of_three(const struct brute *brute, unsigned i, unsigned j, uns
     add_need(need, radius2, distance);
 }
 
-long double brute_half_angle(const struct brute *brute) {
+long double brute_half_angle(const struct brute *brute, bool *sharp) {
     long double side2[BRUTE_COUNT_MAX][BRUTE_COUNT_MAX];
-    struct need need = {0.0L, 1.0L};
+    struct need need = {0.0L, 1.0L, false};
     for (unsigned i = 0; i < brute->count; i++) {
         for (unsigned j = 0; j < i; j++) {
             side2[j][i] = chord2(brute, j, i);
@@ -183,6 +196,7 @@ long double brute_half_angle(const struct brute *brute) {
             }
         }
     }
+    *sharp = !need.uncertain;
     if (need.distance < 1.0L) {
         return atan2l(sqrtl(1.0L - need.distance * need.distance), need.distance);
     }

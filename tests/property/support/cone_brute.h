@@ -3,7 +3,7 @@
 ///
 /// Feasibility and witnesses are decided in exact 128-bit integers. Angles are long doubles of at
 /// least 64 bits; small ones come from differences of unit vectors and those near 90 degrees from
-/// exact determinants, so that the optimum is known to 0.02 nrad at any width
+/// exact determinants, so that the optimum is known to 0.02 nrad at nearly any shape
 /// (tests/property/cone_random.c prints by how much it
 /// differs from MPFR).
 #ifndef SUPPORT_CONE_BRUTE_H
@@ -38,8 +38,11 @@ int brute_parallel(struct vec3 a, struct vec3 b);
 bool brute_zero_in_hull(const struct vec3 *points, unsigned count);
 
 /// Half-angle in radians of the narrowest cone of a feasible set: the largest that any two or three
-/// of the points need.
-long double brute_half_angle(const struct brute *brute);
+/// of the points need. *sharp: good to BRUTE_RAD_MAX. Not so when one point is almost opposite to
+/// two that almost coincide: whether such a triangle is acute, long doubles can't tell.
+long double brute_half_angle(const struct brute *brute, bool *sharp);
+
+#define BRUTE_RAD_MAX 2e-11
 
 /// Largest true angle in radians from the axis (any vector) to any point.
 long double brute_largest_angle(const struct brute *brute, struct vec3 axis);

@@ -24,7 +24,8 @@ static struct {
     bool ready;
     struct vector unit, base[4], edge, side, axis, printed;
     struct cone best, trial;
-    mpfr_t dot, product, length, angle, outside, rad_per_turn64, cosine, least, least_printed;
+    mpfr_t first_half_angle, dot, product, length, angle, outside, rad_per_turn64, cosine, least,
+        least_printed;
     mpz_t sum, term, scaled[3];
 } v;
 
@@ -49,7 +50,8 @@ static void start(void) {
         init_vector(vectors[i]);
     }
     mpfr_inits2(BITS, v.dot, v.product, v.length, v.angle, v.outside, v.rad_per_turn64, v.cosine,
-                v.least, v.least_printed, v.best.half_angle, v.trial.half_angle, (mpfr_ptr)NULL);
+                v.least, v.least_printed, v.best.half_angle, v.trial.half_angle, v.first_half_angle,
+                (mpfr_ptr)NULL);
     mpz_inits(v.sum, v.term, v.scaled[0], v.scaled[1], v.scaled[2], (mpz_ptr)NULL);
     mpfr_const_pi(v.rad_per_turn64, MPFR_RNDN);
     mpfr_div_2ui(v.rad_per_turn64, v.rad_per_turn64, 63, MPFR_RNDN);
@@ -274,7 +276,7 @@ static const char *check_support(const struct vec3 *points, uint32_t count,
 
 /// v.best = the narrowest cone of the set, by pivoting from the named support: the farthest point
 /// enters, and of the four the largest cone that two or three need is the next. Each is wider than
-/// the last. report->support_gap_rad tells how far the first cone was off.
+/// the last. Tells the report how far the first was off.
 static void solve_from_support(const struct vec3 *points, uint32_t count,
                                const struct cone_result *result, struct cone_report *report) {
     uint32_t member[4];
@@ -303,7 +305,8 @@ static void solve_from_support(const struct vec3 *points, uint32_t count,
         angle_to(&v.best.axis, points[farthest]);
         mpfr_sub(v.outside, v.angle, v.best.half_angle, MPFR_RNDN);
         if (round == 0U) {
-            report->support_gap_rad = mpfr_get_d(v.outside, MPFR_RNDN);
+            report->support_outside_rad = mpfr_get_d(v.outside, MPFR_RNDN);
+            mpfr_set(v.first_half_angle, v.best.half_angle, MPFR_RNDN);
         }
         if (mpfr_cmp_d(v.outside, 1e-60) <= 0) {
             return;
@@ -349,6 +352,12 @@ static const char *check_printed_angle(uint32_t farthest, const struct vec3 *poi
     return NULL;
 }
 
+static bool support_is_right(const struct cone_report *report) {
+    const double gap_max = cone_support_gap_max(report->half_angle_rad);
+    return report->support_gap_rad <= gap_max && (report->support_outside_rad <= gap_max ||
+                                                  !cone_in_claimed_range(report->half_angle_rad));
+}
+
 static const char *check_ok(const struct vec3 *points, uint32_t count,
                             const struct cone_result *result, struct cone_report *report) {
     const char *wrong = check_support(points, count, result);
@@ -360,6 +369,8 @@ static const char *check_ok(const struct vec3 *points, uint32_t count,
     }
     solve_from_support(points, count, result, report);
     report->half_angle_rad = mpfr_get_d(v.best.half_angle, MPFR_RNDN);
+    mpfr_sub(v.outside, v.best.half_angle, v.first_half_angle, MPFR_RNDN);
+    report->support_gap_rad = mpfr_get_d(v.outside, MPFR_RNDN);
     if (!proved_feasible(points, count, result->axis_q30)) {
         return "called feasible, but neither the printed nor the optimum's axis sees all points";
     }
@@ -378,8 +389,7 @@ static const char *check_ok(const struct vec3 *points, uint32_t count,
     mpfr_sub(v.cosine, v.angle, v.cosine, MPFR_RNDN);
     report->beyond_quarter_rad = mpfr_get_d(v.cosine, MPFR_RNDU);
     const char *angle_wrong = check_printed_angle(farthest, points, result, report);
-    if (angle_wrong == NULL &&
-        report->support_gap_rad > cone_support_gap_max(report->half_angle_rad)) {
+    if (angle_wrong == NULL && !support_is_right(report)) {
         return "a point lies outside the support's own narrowest cone";
     }
     return angle_wrong;

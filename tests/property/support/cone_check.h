@@ -20,9 +20,10 @@
 struct cone_report {
     /// The optimum.
     double half_angle_rad;
-    /// How far a point lies outside the narrowest cone of the named support; 0 if that is the
-    /// optimum.
+    /// The optimum, minus the half-angle of the narrowest cone of the named support.
     double support_gap_rad;
+    /// How far a point lies outside that cone.
+    double support_outside_rad;
     /// Largest true angle from the printed axis, minus the optimum.
     double excess_rad;
     /// Printed half-angle minus that largest angle, in units of 2^-64 turn: must not be negative.
@@ -41,9 +42,9 @@ static inline bool cone_in_claimed_range(double half_angle_rad) {
     return half_angle_rad >= CONE_CLAIM_FROM_RAD && half_angle_rad <= CONE_CLAIM_TO_RAD;
 }
 
-/// The gap that is let pass. Within the claimed range it is that of the solver's Q2.61 directions.
-/// Narrower, their cosines tell angles below 1e-9 rad no more apart; wider, any axis that sees all
-/// points may do.
+/// The gap that is let pass. Within the claimed range it is that of the solver's Q2.61 directions,
+/// and no point may lie farther outside. Narrower, their cosines tell angles below 1e-9 rad no more
+/// apart; wider, any support whose axis sees all points may do.
 static inline double cone_support_gap_max(double half_angle_rad) {
     return cone_in_claimed_range(half_angle_rad) ? 1e-12 : 1e-9;
 }

@@ -337,6 +337,32 @@ uint32_t cone_sets_draw(enum cone_class class, uint64_t *random, struct vec3 *po
     return count;
 }
 
+uint32_t cone_sets_of_bits(uint32_t bits, uint32_t limit, struct vec3 *points) {
+    uint32_t count = 0;
+    for (uint32_t rest = bits; rest != 0U; rest &= rest - 1U) {
+        if (++count > limit) {
+            return 0;
+        }
+    }
+    count = 0;
+    for (int32_t i = 0; i < 26; i++) {
+        if ((bits >> i & 1U) != 0U) {
+            const int32_t cell = i < 13 ? i : i + 1; // of 27; the middle one is zero
+            points[count++] = vec3(cell / 9 - 1, cell / 3 % 3 - 1, cell % 3 - 1);
+        }
+    }
+    return count;
+}
+
+void cone_sets_shuffle(uint64_t *random, struct vec3 *points, uint32_t count) {
+    for (uint32_t i = count; i > 1U; i--) {
+        const uint32_t j = below(random, i);
+        const struct vec3 swap = points[i - 1U];
+        points[i - 1U] = points[j];
+        points[j] = swap;
+    }
+}
+
 // ---------------------------------------------------------------- larger sets
 
 static void fill_normal(uint64_t *random, struct vec3 *points, uint32_t count) {

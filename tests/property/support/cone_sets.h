@@ -32,6 +32,13 @@ extern const char *const cone_class_names[CLASS_COUNT];
 /// Draws 1 to CONE_SETS_SMALL_MAX vectors, none of them zero; returns how many.
 uint32_t cone_sets_draw(enum cone_class class, uint64_t *random, struct vec3 *points);
 
+/// The set of those of the 26 directions with components -1, 0, 1 whose bits are set, if they are
+/// at most `limit`; returns how many, or 0.
+uint32_t cone_sets_of_bits(uint32_t bits, uint32_t limit, struct vec3 *points);
+
+/// Puts the points into a random order.
+void cone_sets_shuffle(uint64_t *random, struct vec3 *points, uint32_t count);
+
 enum cone_large_class {
     LARGE_CAP,        // uniform in a cap of any width
     LARGE_RING,       // on its rim
