@@ -308,7 +308,13 @@ static bool large_set(enum cone_large_class class, uint32_t count, enum cone_len
     tally->reads += result.point_reads;
     tally->points += count;
     *(status == CONE_OK ? &tally->feasible : &tally->infeasible) += 1U;
-    const bool right = certify(large, count, status, &result, tally, NULL);
+    bool right = certify(large, count, status, &result, tally, NULL);
+    if (right && status == CONE_OK) {
+        struct cone_result other;
+        cone_sets_shuffle(&seed, large, count);
+        right =
+            CHECK_EQ(solve(large, count, lengths, &other), CONE_OK) && same_answer(&other, &result);
+    }
     if (!right) {
         printf("  # %s of %u points\n", cone_large_class_names[class], count);
         print_set(large, count);

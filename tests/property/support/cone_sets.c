@@ -21,7 +21,8 @@ const char *const cone_class_names[CLASS_COUNT] = {"cap",
                                                    "repeated"};
 
 const char *const cone_large_class_names[LARGE_COUNT] = {
-    "cap", "ring", "normal", "spiral", "grid", "great circle", "hemisphere", "sphere", "blocked"};
+    "cap",          "ring",   "normal",     "spiral", "grid",
+    "great circle", "circle", "hemisphere", "sphere", "blocked"};
 
 #define PI 3.14159265358979323846
 
@@ -402,6 +403,9 @@ void cone_sets_draw_large(enum cone_large_class class, uint64_t *random, struct 
         break;
     case LARGE_ARC:
         fill_arc(random, points, count);
+        break;
+    case LARGE_CIRCLE:
+        fill_circle(random, points, count);
         break;
     case LARGE_HEMISPHERE:
         fill_cap(random, points, count, PI / 2.0 - spread(random, 1e-4, 0.1) * degree, false);

@@ -46,6 +46,7 @@ enum cone_large_class {
     LARGE_SPIRAL,     // winds outward: the worst order for methods that add points one by one
     LARGE_GRID,       // integers up to 50 with z > 0
     LARGE_ARC,        // on one great circle
+    LARGE_CIRCLE,     // exactly on one circle
     LARGE_HEMISPHERE, // uniform in a cap of 89.9 to 89.9999 degrees
     LARGE_SPHERE,     // anywhere: infeasible
     LARGE_BLOCKED,    // a wide cap and, last, the opposite of its middle: infeasible
