@@ -21,6 +21,9 @@ static struct {
     int error_number;
     bool ignored;
     void (*intrude)(void);
+    unsigned long request;
+    const void *answer;
+    size_t answer_bytes;
     char log[2000];
 } plan;
 
@@ -34,6 +37,12 @@ void syscalls_at(uint32_t nth, enum syscalls_fate fate, int error_number) {
 
 void syscalls_intruder(void (*act)(void)) {
     plan.intrude = act;
+}
+
+void syscalls_answer_ioctl(unsigned long request, const void *data, size_t size_bytes) {
+    plan.request = request;
+    plan.answer = data;
+    plan.answer_bytes = size_bytes;
 }
 
 const char *syscalls_log(void) {
@@ -216,6 +225,10 @@ int ioctl(int fd, unsigned long request, ...) {
     int result;
     if (due && is_replaced(&result)) {
         return result;
+    }
+    if (plan.answer != NULL && request == plan.request) {
+        memcpy(argument, plan.answer, plan.answer_bytes);
+        return 0;
     }
     const int got = real(fd, request, argument);
     if (due) {

@@ -7,6 +7,7 @@
 #define CONTRACT_SUPPORT_SYSCALLS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum syscalls_fate {
@@ -36,6 +37,10 @@ void syscalls_intruder(void (*act)(void));
 
 /// The names of the calls since syscalls_at, each followed by a blank; cut if there are too many.
 const char *syscalls_log(void);
+
+/// Every ioctl of that request succeeds and answers with these bytes, until the next order for
+/// another; null: no request does. data stays the caller's.
+void syscalls_answer_ioctl(unsigned long request, const void *data, size_t size_bytes);
 
 /// false: calls go through uncounted, for what a test does on the far side. true at first.
 void syscalls_watch(bool watch);
