@@ -137,8 +137,8 @@ static enum hal_status open_failed(struct linux_serial *serial, int error_number
     return linux_error_from_errno(&serial->error, serial->path, error_number, MISSING_REMEDY);
 }
 
-/// Raw bytes, 8N1; damaged bytes are dropped. cfmakeraw leaves IXOFF as it was. VMIN 1: a read of nothing is EAGAIN, not an end of
-/// file.
+/// Raw bytes, 8N1; damaged bytes are dropped. cfmakeraw leaves IXOFF as it was. VMIN 1: a read of
+/// nothing is EAGAIN, not an end of file.
 static void make_raw(struct termios *settings, speed_t speed) {
     cfmakeraw(settings);
     settings->c_iflag &= ~(tcflag_t)IXOFF;

@@ -357,6 +357,82 @@ static void two_create_at_once(void) {
     CHECK(stat(path, &about) == 0 && about.st_size == (off_t)SIZE);
 }
 
+/// The other program: as careful as ours, with its own code. It makes a file full of 0x77.
+static bool other_made_it, other_leaves_a_second;
+
+static void other_creates(void) {
+    other_made_it = false;
+    const int fd = open(new_path, O_RDWR | O_CREAT, 0600);
+    struct stat about;
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && stat(path, &about) != 0) {
+        uint8_t data[SIZE];
+        memset(data, 0x77, SIZE);
+        if (other_leaves_a_second) {
+            CHECK_EQ(unlink(new_path), 0);
+            close(open(new_path, O_RDWR | O_CREAT, 0600)); // begun by a third one
+        } else {
+            CHECK_EQ(pwrite(fd, data, SIZE, 0), SIZE);
+            CHECK_EQ(rename(new_path, path), 0);
+            other_made_it = true;
+        }
+    }
+    close(fd);
+}
+
+/// Wherever the other comes in between: what it made stays, and we work on the named file or not at
+/// all.
+static void somebody_else_creates_it_meanwhile(void) {
+    syscalls_intruder(other_creates);
+    uint32_t made = 0;
+    for (int second = 0; second < 2; second++) {
+        other_leaves_a_second = second == 1;
+        bool met = true;
+        for (uint32_t nth = 1; met && check_clean(); nth++) {
+            begin_afresh();
+            syscalls_at(nth, SYSCALLS_INTRUDE, 0);
+            const enum hal_status status = linux_flash_file_open(&flash, path, &geometry);
+            met = syscalls_met();
+            syscalls_at(0, SYSCALLS_FAIL, 0);
+            CHECK(status == HAL_OK || status == HAL_ERROR_DENIED);
+            struct stat named, ours;
+            if (status == HAL_OK) {
+                CHECK(stat(path, &named) == 0 && fstat(flash.fd, &ours) == 0);
+                CHECK(named.st_ino == ours.st_ino && named.st_size == (off_t)SIZE);
+            }
+            if (met && other_made_it) {
+                made++;
+                uint8_t data[SIZE];
+                size_t size;
+                slurp(path, data, SIZE, &size);
+                CHECK(size == SIZE && data[0] == 0x77U && data[SIZE - 1U] == 0x77U);
+            }
+        }
+    }
+    CHECK(made >= 3U);
+}
+
+/// Against power failures: the disk has the whole file before it gets its name, then the name; each
+/// operation is waited for; and what a killed program left is on the disk before it is believed.
+static void disk_is_waited_for(void) {
+    begin_afresh();
+    syscalls_at(0, SYSCALLS_FAIL, 0);
+    CHECK_EQ(linux_flash_file_open(&flash, path, &geometry), HAL_OK);
+    CHECK(strcmp(syscalls_log(), "open open flock fstat ftruncate pwrite fsync rename open fsync "
+                                 "close ") == 0);
+    const uint8_t data[4] = {0};
+    syscalls_at(0, SYSCALLS_FAIL, 0);
+    CHECK_EQ(hal_flash_program(&flash.hal, 0, data, 4), HAL_OK);
+    CHECK_EQ(finish(), HAL_OK);
+    CHECK_EQ(hal_flash_erase(&flash.hal, 0), HAL_OK);
+    CHECK_EQ(finish(), HAL_OK);
+    CHECK(strcmp(syscalls_log(), "fstat pread pwrite aio_fsync aio_error fstat pwrite aio_fsync "
+                                 "aio_error ") == 0);
+    linux_flash_file_close(&flash);
+    syscalls_at(0, SYSCALLS_FAIL, 0);
+    CHECK_EQ(linux_flash_file_open(&flash, path, &geometry), HAL_OK);
+    CHECK(strcmp(syscalls_log(), "open flock fstat fdatasync ") == 0);
+}
+
 int main(void) {
     if (mkdir("build", 0777) != 0 && errno != EEXIST) {
         perror("build");
@@ -380,6 +456,8 @@ int main(void) {
     CONTRACT("linux_flash", deleted_and_cut_files);
     CONTRACT("linux_flash", failing_at_every_system_call);
     CONTRACT("linux_flash", two_create_at_once);
+    CONTRACT("linux_flash", somebody_else_creates_it_meanwhile);
+    CONTRACT("linux_flash", disk_is_waited_for);
     begin_afresh();
     rmdir(directory);
     return check_finish();

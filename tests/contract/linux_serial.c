@@ -8,10 +8,12 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
+#include <linux/serial.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -131,6 +133,8 @@ static void line_settings(void) {
     CHECK_EQ(settings.c_cflag & (CLOCAL | CREAD), CLOCAL | CREAD);
     const int flags = fcntl(serial.fd, F_GETFL), fd_flags = fcntl(serial.fd, F_GETFD);
     CHECK((flags & O_NONBLOCK) != 0 && (fd_flags & FD_CLOEXEC) != 0);
+    int exclusive = 0;
+    CHECK(ioctl(serial.fd, TIOCGEXCL, &exclusive) == 0 && exclusive == 1);
 }
 
 /// What came before the port was opened is not for us.
@@ -320,6 +324,32 @@ static void ports_without_counters(void) {
     syscalls_at(0, SYSCALLS_FAIL, 0);
 }
 
+/// What the driver has counted since the port was opened, lost and damaged apart, across a wrap.
+static void ports_with_counters(void) {
+    struct serial_icounter_struct counters = {.rx = 999,
+                                              .tx = 999,
+                                              .overrun = 5,
+                                              .buf_overrun = -10,
+                                              .frame = 7,
+                                              .parity = 11,
+                                              .brk = 13};
+    syscalls_answer_ioctl(TIOCGICOUNT, &counters, sizeof counters);
+    reset(NULL);
+    struct hal_serial_state state = {1, 1};
+    CHECK_EQ(hal_serial_state(&serial.hal, &state), HAL_OK);
+    CHECK_EQ(state.lost_count, 0);
+    CHECK_EQ(state.damaged_count, 0);
+    counters.overrun += 1;
+    counters.buf_overrun += 20;
+    counters.frame += 300;
+    counters.parity += 4000;
+    counters.brk += 50000;
+    CHECK_EQ(hal_serial_state(&serial.hal, &state), HAL_OK);
+    CHECK_EQ(state.lost_count, 21);
+    CHECK_EQ(state.damaged_count, 54300);
+    syscalls_answer_ioctl(0, NULL, 0);
+}
+
 /// Whatever fails while the port is opened: nothing stays open, and a line says what.
 static void failing_at_every_step_of_opening(void) {
     const struct {
@@ -371,6 +401,7 @@ int main(void) {
     CONTRACT("linux_serial", line_after_leaving);
     CONTRACT("linux_serial", failing_reads_and_writes);
     CONTRACT("linux_serial", ports_without_counters);
+    CONTRACT("linux_serial", ports_with_counters);
     CONTRACT("linux_serial", failing_at_every_step_of_opening);
     linux_serial_close(&serial);
     close(master);

@@ -155,6 +155,33 @@ static void frames_in_sequence(void) {
     }
 }
 
+static void let_pass_us(uint32_t span_us) {
+    const uint32_t from_us = hal_clock_now_us(fixture->clock);
+    while (hal_clock_span_us(from_us, hal_clock_now_us(fixture->clock)) < span_us) {
+        fixture->settle(fixture->context);
+    }
+}
+
+/// Frames that waited come oldest first, and a stop takes back whatever is out.
+static void waiting_frames_in_order(void) {
+    begin();
+    for (uint32_t round = 0; round < 3U; round++) {
+        const struct hal_camera_frame first = take();
+        let_pass_us((fixture->buffer_count + round) * fixture->format.interval_us);
+        uint32_t before = first.sequence;
+        for (uint32_t i = 1; i < fixture->buffer_count; i++) {
+            const struct hal_camera_frame frame = take();
+            CHECK_EQ(frame.sequence, before + 1U);
+            before = frame.sequence;
+            if (round % 2U == 0U) {
+                give_back(&frame);
+            }
+        }
+        CHECK_EQ(hal_camera_stop(fixture->camera), HAL_OK);
+        CHECK_EQ(hal_camera_start(fixture->camera), HAL_OK);
+    }
+}
+
 /// Frames that nobody has a buffer for are lost, and the numbers say how many.
 static void all_buffers_out(void) {
     begin();
@@ -341,6 +368,7 @@ void camera_suite(const struct camera_fixture *with) {
     CONTRACT(with->name, formats_are_negotiated);
     CONTRACT(with->name, start_and_stop);
     CONTRACT(with->name, frames_in_sequence);
+    CONTRACT(with->name, waiting_frames_in_order);
     CONTRACT(with->name, all_buffers_out);
     CONTRACT(with->name, requeue_knows_its_frames);
     CONTRACT(with->name, controls);

@@ -20,6 +20,11 @@ static struct {
     enum syscalls_fate fate;
     int error_number;
     bool ignored;
+    void (*intrude)(void);
+    unsigned long request;
+    const void *answer;
+    size_t answer_bytes;
+    char log[2000];
 } plan;
 
 void syscalls_at(uint32_t nth, enum syscalls_fate fate, int error_number) {
@@ -27,6 +32,21 @@ void syscalls_at(uint32_t nth, enum syscalls_fate fate, int error_number) {
     plan.count = 0;
     plan.fate = fate;
     plan.error_number = error_number;
+    plan.log[0] = '\0';
+}
+
+void syscalls_intruder(void (*act)(void)) {
+    plan.intrude = act;
+}
+
+void syscalls_answer_ioctl(unsigned long request, const void *data, size_t size_bytes) {
+    plan.request = request;
+    plan.answer = data;
+    plan.answer_bytes = size_bytes;
+}
+
+const char *syscalls_log(void) {
+    return plan.log;
 }
 
 uint32_t syscalls_count(void) {
@@ -55,12 +75,20 @@ static void die(void) {
 }
 
 /// Counts a call; whether it is the one.
-static bool is_due(void) {
+static bool is_due(const char *name) {
     if (plan.ignored) {
         return false;
     }
+    const size_t size = strlen(plan.log);
+    snprintf(plan.log + size, sizeof plan.log - size, "%s ", name);
     plan.count++;
     if (plan.count != plan.nth) {
+        return false;
+    }
+    if (plan.fate == SYSCALLS_INTRUDE) {
+        plan.ignored = true;
+        plan.intrude();
+        plan.ignored = false;
         return false;
     }
     if (plan.fate == SYSCALLS_KILL_BEFORE) {
@@ -95,7 +123,7 @@ static void find(void *function, const char *name) {
     type name parameters {                                                                         \
         type(*real) parameters;                                                                    \
         find(&real, #name);                                                                        \
-        const bool due = is_due();                                                                 \
+        const bool due = is_due(#name);                                                            \
         int result;                                                                                \
         if (due && is_replaced(&result)) {                                                         \
             return (type)result;                                                                   \
@@ -125,7 +153,7 @@ PASS_ON(int, aio_fsync, (int operation, struct aiocb *control), (operation, cont
 int close(int fd) {
     int (*real)(int);
     find(&real, "close");
-    const bool due = is_due();
+    const bool due = is_due("close");
     int result;
     const bool replaced = due && is_replaced(&result);
     const int got = real(fd);
@@ -140,7 +168,8 @@ int aio_error(const struct aiocb *control) {
     int (*real)(const struct aiocb *);
     find(&real, "aio_error");
     const int got = real(control);
-    if (got == EINPROGRESS || !is_due()) { // how often it is in progress is chance: not counted
+    if (got == EINPROGRESS ||
+        !is_due("aio_error")) { // how often it is in progress is chance: not counted
         return got;
     }
     int result;
@@ -150,7 +179,7 @@ int aio_error(const struct aiocb *control) {
 ssize_t pwrite(int fd, const void *data, size_t size, off_t at) {
     ssize_t (*real)(int, const void *, size_t, off_t);
     find(&real, "pwrite");
-    const bool due = is_due();
+    const bool due = is_due("pwrite");
     int result;
     if (due && is_replaced(&result)) {
         return result;
@@ -173,7 +202,7 @@ int open(const char *path, int flags, ...) {
         mode = va_arg(rest, mode_t);
         va_end(rest);
     }
-    const bool due = is_due();
+    const bool due = is_due("open");
     int result;
     if (due && is_replaced(&result)) {
         return result;
@@ -192,10 +221,14 @@ int ioctl(int fd, unsigned long request, ...) {
     va_start(rest, request);
     void *const argument = va_arg(rest, void *);
     va_end(rest);
-    const bool due = is_due();
+    const bool due = is_due("ioctl");
     int result;
     if (due && is_replaced(&result)) {
         return result;
+    }
+    if (plan.answer != NULL && request == plan.request) {
+        memcpy(argument, plan.answer, plan.answer_bytes);
+        return 0;
     }
     const int got = real(fd, request, argument);
     if (due) {

@@ -7,6 +7,7 @@
 #define CONTRACT_SUPPORT_SYSCALLS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum syscalls_fate {
@@ -14,6 +15,8 @@ enum syscalls_fate {
     SYSCALLS_FAIL,
     /// Gives 0 (the end of a file, nothing written).
     SYSCALLS_ZERO,
+    /// Somebody else acts just before it (syscalls_intruder), then it does its work.
+    SYSCALLS_INTRUDE,
     /// SIGKILL, before, in the middle of (a write: half of it) or after it.
     SYSCALLS_KILL_BEFORE,
     SYSCALLS_KILL_TORN,
@@ -28,6 +31,16 @@ uint32_t syscalls_count(void);
 
 /// Whether the nth call has come.
 bool syscalls_met(void);
+
+/// What SYSCALLS_INTRUDE does; its own calls are not watched.
+void syscalls_intruder(void (*act)(void));
+
+/// The names of the calls since syscalls_at, each followed by a blank; cut if there are too many.
+const char *syscalls_log(void);
+
+/// Every ioctl of that request succeeds and answers with these bytes, until the next order for
+/// another; null: no request does. data stays the caller's.
+void syscalls_answer_ioctl(unsigned long request, const void *data, size_t size_bytes);
 
 /// false: calls go through uncounted, for what a test does on the far side. true at first.
 void syscalls_watch(bool watch);
