@@ -142,7 +142,6 @@ static void add_facts(struct run *run, const struct sim_summary *summary) {
     add_fact(story, "violated invariants", "%" PRIu64, sim_violation_count(&summary->violations));
     add_fact(story, "trace hash", "%016" PRIx64, summary->trace_hash);
     add_fact(story, "seed", "%" PRIu64, run->scenario.sim.seed);
-    add_fact(story, "program", "boresight %s", build_id);
 }
 
 static void print_summary(const struct settings *settings, const struct run *run,
@@ -207,6 +206,7 @@ static enum exit_status simulate(const struct command *command, const struct set
     run->watched = !settings->quiet && !settings->json;
     if (run->watched) {
         progress_start(&run->progress, stderr, stderr);
+        run->progress.name_columns = 12;
         progress_line(&run->progress, run->scenario.name);
         run->story.tell = tell_subject;
         run->story.tell_context = run;

@@ -11,7 +11,7 @@
 enum { MOVERS_MOST = 64 };
 
 struct scenario_run {
-    const char *name, *rig;
+    const char *name, *about, *rig;
     int64_t duration_us, seed, tick_us, clock_start_us, loss_ppm;
     struct ini_numbers start_mdeg;
     bool arm;
@@ -52,6 +52,7 @@ static const char *const actions[] = {"arm", "stop", NULL};
 #define RUN(member) .offset = offsetof(struct scenario_run, member)
 static const struct ini_key run_keys[] = {
     {.name = "name", .type = INI_TEXT, RUN(name), .help = "what it shows"},
+    {.name = "about", .type = INI_TEXT, .fallback = "", RUN(about), .help = "a sentence about it"},
     {.name = "rig", .type = INI_TEXT, RUN(rig), .help = "the rig file"},
     {.name = "seconds",
      .type = INI_DECIMAL,
@@ -415,6 +416,7 @@ static enum exit_status build(const char *path, const struct scenario_file *file
         return EXIT_STATUS_USAGE;
     }
     out->name = file->run.name;
+    out->about = file->run.about;
     out->duration_us = (uint64_t)file->run.duration_us;
     const char *rig = resolve(&out->ini, path, file->run.rig);
     enum exit_status status =

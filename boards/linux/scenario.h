@@ -11,7 +11,7 @@
 
 struct scenario {
     struct ini ini; ///< keeps the texts
-    const char *name;
+    const char *name, *about;
     struct rig rig;
     struct schedule schedule;
     struct sim_command commands[SCENARIO_EVENTS_MAX];

@@ -1,5 +1,6 @@
 #include "scenario_targets.h"
 
+#include "constellations.h"
 #include "csv.h"
 #include "lines.h"
 #include "target_line.h"
@@ -136,7 +137,8 @@ static enum exit_status show_figure(const char *path, const char *name, uint64_t
                                     const struct star *stars, size_t count,
                                     struct schedule *schedule) {
     const struct schedule_item clear = {.at_us = at_us, .update = {.kind = TARGET_CLEAR}};
-    bool added = schedule_add_subject(schedule, at_us, name) && schedule_add(schedule, &clear);
+    bool added = schedule_add_subject(schedule, at_us, constellation_name(name)) &&
+                 schedule_add(schedule, &clear);
     size_t members = 0;
     for (size_t i = 0; added && i < count; i++) {
         if (has_word(stars[i].figures, name)) {
