@@ -181,6 +181,7 @@ static enum hal_status claim(struct linux_serial *serial) {
     if (ioctl(serial->fd, TIOCEXCL) != 0) {
         return open_failed(serial, errno);
     }
+    serial->exclusive = true;
     return HAL_OK;
 }
 
@@ -219,6 +220,11 @@ enum hal_status linux_serial_open(struct linux_serial *serial, const char *path,
 
 void linux_serial_close(struct linux_serial *serial) {
     if (serial->fd >= 0) {
+        if (serial->exclusive) {
+            // It would stay as long as anybody has the line open, such as a pty's other end.
+            (void)ioctl(serial->fd, TIOCNXCL);
+            serial->exclusive = false;
+        }
         close(serial->fd);
         serial->fd = -1;
         serial->gone = true;

@@ -18,7 +18,7 @@ struct linux_serial {
 
     // Private from here on.
     int fd;
-    bool gone;
+    bool gone, exclusive;
     struct hal_serial_state at_open;
     char path[LINUX_SERIAL_PATH_BYTES];
 };

@@ -195,8 +195,13 @@ static void device_in_use(void) {
              "%s: in use by another program; end that one first (`fuser -v` on the file shows it)",
              path);
     expect_refusal(path, HAL_ERROR_DENIED, line);
+    int exclusive = 0;
+    CHECK(ioctl(serial.fd, TIOCGEXCL, &exclusive) == 0 && exclusive == 1); // the refused one let be
     linux_serial_close(&serial);
-    CHECK_EQ(linux_serial_open(&serial, path, 115200), HAL_OK); // free again
+    const int fd = open(path, O_RDWR | O_NOCTTY); // free again, for those who don't ask as well
+    CHECK(fd >= 0 && ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive == 0);
+    close(fd);
+    CHECK_EQ(linux_serial_open(&serial, path, 115200), HAL_OK);
 }
 
 /// Root may do everything, so these two run as somebody else.
