@@ -41,6 +41,7 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     c->fault_axis = 0;
     mount_init(&c->mount, config->attitude);
     target_set_init(&c->targets, config->position_um, config->target_expiry_us);
+    c->aim_reports = c->targets.rest_reports;
     c->framing = (struct framing){.status = FRAMING_EMPTY};
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far

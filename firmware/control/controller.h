@@ -128,6 +128,7 @@ struct controller {
     struct framing_workspace framing_workspace;
     struct framing framing;
     uint32_t framed_version; ///< of the target set that framing was solved for
+    uint32_t aim_reports;    ///< targets.rest_reports when the trackers were last told
     struct limiter limiter[AXIS_COUNT];
     struct drive drive[AXIS_COUNT];
     struct tracker tracker[2]; ///< pan, tilt

@@ -60,7 +60,10 @@ void controller_aim(struct controller *c) {
             tracker_reset(&c->tracker[AXIS_PAN]);
             tracker_reset(&c->tracker[AXIS_TILT]);
         }
+    } else if (c->aim_reports != c->targets.rest_reports && c->framing.status == FRAMING_OK) {
+        take_aim(c); // the same aim again: that it stands still is news
     }
+    c->aim_reports = c->targets.rest_reports;
     if (c->framing.status != FRAMING_OK) {
         return;
     }
