@@ -14,7 +14,8 @@ static void take_aim(struct controller *c) {
         struct tracker *tracker = &c->tracker[axis];
         const struct limiter_config *limits = &c->config->axis[axis].limits;
         const int64_t from = tracker->valid ? tracker->position_q48 : c->setpoint_q48[axis];
-        if (axis == AXIS_PAN && !pan_defined) { // along the pan axis every pan is right: keep it
+        if (axis == AXIS_PAN && !pan_defined) { // along the pan axis every pan is right: it rests
+            tracker_reset(tracker);
             tracker_update(tracker, &c->config->tracker, from);
             continue;
         }
