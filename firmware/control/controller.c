@@ -68,16 +68,15 @@ bool controller_init(struct controller *c, const struct controller_config *confi
 // ---------------------------------------------------------------- inputs
 
 static void advance_time(struct controller *c, uint32_t now_us) {
-    if (!c->started) {
-        c->started = true;
-    } else {
+    if (c->started) {
         const uint32_t elapsed = now_us - c->last_now_us;
-        if (elapsed >= UINT32_C(0x80000000)) { // a clock that runs backwards: time stands still
-            return;
-        }
-        c->time_us += elapsed;
-        c->late_ticks = elapsed > LATE_PERIODS * c->config->tick_us ? c->late_ticks + 1U : 0U;
+        // A clock that runs backwards is broken: no time passes, and the tick counts as late.
+        const bool backwards = elapsed >= UINT32_C(0x80000000);
+        const bool late = backwards || elapsed > LATE_PERIODS * c->config->tick_us;
+        c->time_us += backwards ? 0U : elapsed;
+        c->late_ticks = late ? c->late_ticks + (c->late_ticks < LATE_TICKS_MAX) : 0U;
     }
+    c->started = true;
     c->last_now_us = now_us;
     c->tick++;
 }

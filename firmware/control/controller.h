@@ -61,7 +61,7 @@ enum controller_command {
 #define CONTROLLER_UPDATES_MAX    64U
 
 struct controller_input {
-    uint32_t now_us;   ///< wraps
+    uint32_t now_us;   ///< wraps. If it runs backwards, no time passes and the tick counts as late
     uint32_t commands; ///< enum controller_command, or-ed
     uint32_t frame_count, update_count;
     struct can_frame frame[CONTROLLER_FRAMES_IN_MAX];
