@@ -106,6 +106,10 @@ static void take_updates(struct controller *c, const struct controller_input *in
 
 // ---------------------------------------------------------------- faults
 
+static bool comes_late(const struct controller *c) {
+    return c->late_ticks >= LATE_TICKS_MAX;
+}
+
 static bool is_powered_mode(const struct controller *c) {
     return c->powered[AXIS_PAN] || c->powered[AXIS_TILT] || c->powered[AXIS_ZOOM];
 }
@@ -137,7 +141,7 @@ static bool follows(struct controller *c, unsigned axis) {
 
 /// Faults of a powered axis. What a dead drive would do with a stale setpoint when it comes back is
 /// unknown, so it gets none until it is armed again; an axis that does not follow holds where it
-/// is.
+/// is (if that is known: else it stops where it should be).
 static void check_powered_axis(struct controller *c, unsigned axis) {
     struct drive *drive = &c->drive[axis];
     switch (drive_check(drive, c->time_us, c->config->silence_us)) {
@@ -155,21 +159,24 @@ static void check_powered_axis(struct controller *c, unsigned axis) {
     }
     if (!follows(c, axis)) {
         raise_fault(c, FAULT_FOLLOWING, axis);
-        restart_axis(c, axis, drive->position_q48);
+        if (drive_position_is_fresh(drive, c->time_us, c->config->silence_us)) {
+            restart_axis(c, axis, drive->position_q48);
+        }
     }
 }
 
-/// Before arming, causes come and go and are only shown; a drive that falls silent is asked anew.
-static void check_idle_axis(struct controller *c, unsigned axis) {
+/// A drive that falls silent without power may have restarted: it is asked anew. Before arming,
+/// causes come and go and are only shown.
+static void check_unpowered_axis(struct controller *c, unsigned axis, bool show) {
     struct drive *drive = &c->drive[axis];
     const enum drive_fault fault = drive_check(drive, c->time_us, c->config->silence_us);
     if (fault == DRIVE_FAULT_SILENT) {
-        c->faults |= FAULT_DRIVE_SILENT;
         drive_forget(drive);
-    } else if (fault == DRIVE_FAULT_REPORTED) {
-        c->faults |= FAULT_DRIVE_ERROR;
     }
-    c->fault_axis = fault != DRIVE_HEALTHY ? (uint8_t)axis : c->fault_axis;
+    if (show && fault != DRIVE_HEALTHY) {
+        c->faults |= fault == DRIVE_FAULT_SILENT ? FAULT_DRIVE_SILENT : FAULT_DRIVE_ERROR;
+        c->fault_axis = (uint8_t)axis;
+    }
 }
 
 static void check_faults(struct controller *c) {
@@ -180,22 +187,25 @@ static void check_faults(struct controller *c) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (axis_exists(c, axis) && c->powered[axis]) {
             check_powered_axis(c, axis);
-        } else if (axis_exists(c, axis) && idle) {
-            check_idle_axis(c, axis);
+        } else if (axis_exists(c, axis)) {
+            check_unpowered_axis(c, axis, idle);
         }
     }
-    if (c->late_ticks >= LATE_TICKS_MAX && is_powered_mode(c)) {
+    if (comes_late(c) && is_powered_mode(c)) {
         raise_fault(c, FAULT_OVERRUN, 0);
     }
 }
 
 // ---------------------------------------------------------------- modes
 
+static bool drive_ready(const struct controller *c, const struct drive *drive) {
+    return drive->ready && drive_check(drive, c->time_us, c->config->silence_us) == DRIVE_HEALTHY &&
+           drive_position_is_fresh(drive, c->time_us, c->config->silence_us);
+}
+
 static bool drives_ready(const struct controller *c) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        if (axis_exists(c, axis) &&
-            (!c->drive[axis].ready ||
-             drive_check(&c->drive[axis], c->time_us, c->config->silence_us) != DRIVE_HEALTHY)) {
+        if (axis_exists(c, axis) && !drive_ready(c, &c->drive[axis])) {
             return false;
         }
     }
@@ -259,11 +269,11 @@ static void change_mode(struct controller *c) {
     const bool can_arm =
         c->mode == MODE_READY || c->mode == MODE_STOPPED || c->mode == MODE_FAULTED;
     if (c->arm_wanted && can_arm && all_at_rest(c)) {
-        if (drives_ready(c)) {
+        if (drives_ready(c) && !comes_late(c)) {
             arm(c);
-        } else if (c->mode == MODE_FAULTED) {
-            c->arm_wanted = false; // refused: the cause is still there
+            return; // the aim of this tick was worked out from somewhere else
         }
+        c->arm_wanted = c->mode != MODE_FAULTED; // refused: the cause is still there
     }
     if (c->mode == MODE_SETTLING && c->time_us >= c->settled_us) {
         c->mode = MODE_HOLDING;
