@@ -21,16 +21,39 @@ static bool axis_config_valid(const struct controller_axis_config *axis) {
            axis->home_q48 <= limits->max_q48 && drive_config_valid(&axis->drive);
 }
 
+static bool tracker_config_valid(const struct tracker_config *tracker) {
+    return tracker->memory_q16 < 65536U && tracker->jump_q48 >= 0 &&
+           tracker->jump_q48 <= TRACKER_JUMP_Q48_MAX;
+}
+
+static bool position_valid(struct vec3_i64 position_um) {
+    const int64_t most = TARGET_POSITION_UM_MAX;
+    return position_um.x <= most && position_um.x >= -most && position_um.y <= most &&
+           position_um.y >= -most && position_um.z <= most && position_um.z >= -most;
+}
+
+/// Would both axes turn the same actuator?
+static bool drives_collide(const struct drive_config *a, const struct drive_config *b) {
+    return a->kind == b->kind && ((a->kind == DRIVE_RMD && a->rmd.id == b->rmd.id) ||
+                                  (a->kind == DRIVE_PWM && a->pwm.channel == b->pwm.channel));
+}
+
 static bool config_valid(const struct controller_config *config) {
-    const bool zoom = config->axis[AXIS_ZOOM].drive.kind != DRIVE_NONE;
-    return config->tick_us >= 100U && config->tick_us <= 20000U &&
-           axis_config_valid(&config->axis[AXIS_PAN]) &&
-           axis_config_valid(&config->axis[AXIS_TILT]) &&
-           (!zoom || (axis_config_valid(&config->axis[AXIS_ZOOM]) && lens_valid(&config->lens))) &&
-           config->tracker.memory_q16 < 65536U;
+    const struct controller_axis_config *pan = &config->axis[AXIS_PAN],
+                                        *tilt = &config->axis[AXIS_TILT],
+                                        *zoom = &config->axis[AXIS_ZOOM];
+    const bool zooms = zoom->drive.kind != DRIVE_NONE;
+    return config->tick_us >= 100U && config->tick_us <= 20000U && axis_config_valid(pan) &&
+           axis_config_valid(tilt) &&
+           (!zooms || (axis_config_valid(zoom) && lens_valid(&config->lens))) &&
+           !drives_collide(&pan->drive, &tilt->drive) &&
+           !drives_collide(&pan->drive, &zoom->drive) &&
+           !drives_collide(&tilt->drive, &zoom->drive) && position_valid(config->position_um) &&
+           config->follow_error_q48 >= 0 && tracker_config_valid(&config->tracker);
 }
 
 bool controller_init(struct controller *c, const struct controller_config *config) {
+    const bool valid = config_valid(config);
     c->config = config;
     c->started = false;
     c->arm_wanted = config->arm_on_start;
@@ -50,8 +73,9 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct controller_axis_config *settings = &config->axis[axis];
         drive_init(&c->drive[axis], &settings->drive, 0);
-        limiter_reset(&c->limiter[axis], &settings->limits, settings->home_q48);
-        c->goal_q48[axis] = c->setpoint_q48[axis] = settings->home_q48;
+        const int64_t home_q48 = valid ? settings->home_q48 : 0; // or it might overflow
+        limiter_reset(&c->limiter[axis], &settings->limits, home_q48);
+        c->goal_q48[axis] = c->setpoint_q48[axis] = home_q48;
         c->goal_rate_q48[axis] = 0;
         c->powered[axis] = c->ever_powered[axis] = false;
         c->following_since_us[axis] = 0;
@@ -59,7 +83,6 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     }
     tracker_reset(&c->tracker[AXIS_PAN]);
     tracker_reset(&c->tracker[AXIS_TILT]);
-    const bool valid = config_valid(config);
     c->mode = valid ? MODE_STARTING : MODE_FAULTED;
     c->faults = valid ? 0U : FAULT_CONFIG;
     return valid;
@@ -259,10 +282,6 @@ static void take_commands(struct controller *c, uint32_t commands) {
 }
 
 static void change_mode(struct controller *c) {
-    if ((c->faults & FAULT_CONFIG) != 0U) {
-        c->arm_wanted = false;
-        return;
-    }
     if (c->mode == MODE_STARTING || c->mode == MODE_READY) {
         c->mode = drives_ready(c) ? MODE_READY : MODE_STARTING;
     }
@@ -290,12 +309,14 @@ static void change_mode(struct controller *c) {
 void controller_step(struct controller *c, const struct controller_input *input,
                      struct controller_output *output) {
     advance_time(c, input->now_us);
-    take_frames(c, input);
-    take_updates(c, input);
-    check_faults(c);
-    take_commands(c, input->commands);
-    controller_aim(c);
-    change_mode(c);
-    controller_move(c);
+    if ((c->faults & FAULT_CONFIG) == 0U) { // else nothing can be relied on
+        take_frames(c, input);
+        take_updates(c, input);
+        check_faults(c);
+        take_commands(c, input->commands);
+        controller_aim(c);
+        change_mode(c);
+        controller_move(c);
+    }
     controller_report(c, output);
 }

@@ -8,6 +8,10 @@
 ///                                 ^                             |  stop        |
 ///                                 +-------- arm ---- STOPPED <--+--------------+
 ///   any fault: FAULTED: decelerate, hold, stay there until an arm command finds the cause gone.
+/// An arm command in STARTING is kept until the drives answer; one while an axis still moves, until
+/// it rests; a stop takes both back. With settings that are not valid nothing is sent at all.
+///
+/// Shown: tests/unit/test_controller*.c.
 #ifndef CONTROL_CONTROLLER_H
 #define CONTROL_CONTROLLER_H
 
@@ -35,8 +39,8 @@ struct controller_axis_config {
 };
 
 struct controller_config {
-    uint32_t tick_us; ///< nominal, 100 to 20,000
-    struct vec3_i64 position_um;
+    uint32_t tick_us;            ///< nominal, 100 to 20,000
+    struct vec3_i64 position_um; ///< each |component| <= TARGET_POSITION_UM_MAX
     struct mount_attitude attitude;
     struct controller_axis_config axis[AXIS_COUNT];
     struct lens_config lens; ///< of the zoom axis
