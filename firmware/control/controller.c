@@ -312,8 +312,8 @@ void controller_step(struct controller *c, const struct controller_input *input,
     if ((c->faults & FAULT_CONFIG) == 0U) { // else nothing can be relied on
         take_frames(c, input);
         take_updates(c, input);
+        take_commands(c, input->commands); // given before the faults of this tick were known
         check_faults(c);
-        take_commands(c, input->commands);
         controller_aim(c);
         change_mode(c);
         controller_move(c);
