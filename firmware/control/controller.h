@@ -124,7 +124,7 @@ struct controller_output {
 
 // ---------------------------------------------------------------- the controller
 
-/// About 30 KiB (make size); no pointers but to its configuration, so it can be copied.
+/// About 20 KiB (make size); no pointers but to its configuration, so it can be copied.
 struct controller {
     const struct controller_config *config;
     struct mount mount;
