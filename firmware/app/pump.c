@@ -1,5 +1,9 @@
 #include "app/pump.h"
 
+/// No pulse is so long. What a channel gives before the first write is not relied on: a program
+/// that died may have left it pulsing.
+#define PULSE_UNKNOWN UINT32_MAX
+
 static bool needs(const struct controller *controller, enum drive_kind kind) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (controller->config->axis[axis].drive.kind == kind) {
@@ -17,8 +21,9 @@ bool pump_init(struct pump *pump, struct controller *controller,
     pump->commands = 0;
     pump->input.frame_count = pump->input.update_count = 0;
     pump->errors = (struct pump_errors){0};
+    pump->output = (struct controller_output){0};
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        pump->pulse_ns[axis] = 0;
+        pump->pulse_ns[axis] = PULSE_UNKNOWN;
     }
     return devices->clock != NULL && (devices->can != NULL || !needs(controller, DRIVE_RMD)) &&
            (devices->pwm != NULL || !needs(controller, DRIVE_PWM));

@@ -2,6 +2,7 @@
 /// devices.
 ///
 /// Board, Linux program and simulator run this same code with different HALs behind it.
+/// Shown: tests/unit/test_pump.c.
 #ifndef APP_PUMP_H
 #define APP_PUMP_H
 
@@ -26,7 +27,10 @@ struct pump_devices {
 
 /// Counted since the start; none stops the pump.
 struct pump_errors {
-    uint32_t can_send_failed, can_receive_failed, can_restarts, pwm_failed;
+    uint32_t can_send_failed; ///< ticks that could not send all their frames; the rest is dropped
+    uint32_t can_receive_failed;
+    uint32_t can_restarts;    ///< how often a bus that is off was told to restart, and took it
+    uint32_t pwm_failed;      ///< a pulse that fails is written again in the next tick
     uint32_t updates_dropped; ///< more came between two ticks than PUMP_UPDATES_MAX
 };
 
@@ -39,7 +43,7 @@ struct pump {
     uint32_t update_first, update_count;
     struct target_update update[PUMP_UPDATES_MAX]; ///< waiting for a tick, a ring
     uint32_t commands;
-    uint32_t pulse_ns[AXIS_COUNT];   ///< as last written
+    uint32_t pulse_ns[AXIS_COUNT];   ///< as last written; UINT32_MAX: never
     struct controller_input input;   ///< of the last tick, for a recorder
     struct controller_output output; ///< of the last tick
     struct pump_errors errors;

@@ -21,16 +21,39 @@ static bool axis_config_valid(const struct controller_axis_config *axis) {
            axis->home_q48 <= limits->max_q48 && drive_config_valid(&axis->drive);
 }
 
+static bool tracker_config_valid(const struct tracker_config *tracker) {
+    return tracker->memory_q16 < 65536U && tracker->jump_q48 >= 0 &&
+           tracker->jump_q48 <= TRACKER_JUMP_Q48_MAX;
+}
+
+static bool position_valid(struct vec3_i64 position_um) {
+    const int64_t most = TARGET_POSITION_UM_MAX;
+    return position_um.x <= most && position_um.x >= -most && position_um.y <= most &&
+           position_um.y >= -most && position_um.z <= most && position_um.z >= -most;
+}
+
+/// Would both axes turn the same actuator?
+static bool drives_collide(const struct drive_config *a, const struct drive_config *b) {
+    return a->kind == b->kind && ((a->kind == DRIVE_RMD && a->rmd.id == b->rmd.id) ||
+                                  (a->kind == DRIVE_PWM && a->pwm.channel == b->pwm.channel));
+}
+
 static bool config_valid(const struct controller_config *config) {
-    const bool zoom = config->axis[AXIS_ZOOM].drive.kind != DRIVE_NONE;
-    return config->tick_us >= 100U && config->tick_us <= 20000U &&
-           axis_config_valid(&config->axis[AXIS_PAN]) &&
-           axis_config_valid(&config->axis[AXIS_TILT]) &&
-           (!zoom || (axis_config_valid(&config->axis[AXIS_ZOOM]) && lens_valid(&config->lens))) &&
-           config->tracker.memory_q16 < 65536U;
+    const struct controller_axis_config *pan = &config->axis[AXIS_PAN],
+                                        *tilt = &config->axis[AXIS_TILT],
+                                        *zoom = &config->axis[AXIS_ZOOM];
+    const bool zooms = zoom->drive.kind != DRIVE_NONE;
+    return config->tick_us >= 100U && config->tick_us <= 20000U && axis_config_valid(pan) &&
+           axis_config_valid(tilt) &&
+           (!zooms || (axis_config_valid(zoom) && lens_valid(&config->lens))) &&
+           !drives_collide(&pan->drive, &tilt->drive) &&
+           !drives_collide(&pan->drive, &zoom->drive) &&
+           !drives_collide(&tilt->drive, &zoom->drive) && position_valid(config->position_um) &&
+           config->follow_error_q48 >= 0 && tracker_config_valid(&config->tracker);
 }
 
 bool controller_init(struct controller *c, const struct controller_config *config) {
+    const bool valid = config_valid(config);
     c->config = config;
     c->started = false;
     c->arm_wanted = config->arm_on_start;
@@ -41,6 +64,7 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     c->fault_axis = 0;
     mount_init(&c->mount, config->attitude);
     target_set_init(&c->targets, config->position_um, config->target_expiry_us);
+    c->aim_reports = c->targets.rest_reports;
     c->framing = (struct framing){.status = FRAMING_EMPTY};
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
@@ -49,8 +73,9 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct controller_axis_config *settings = &config->axis[axis];
         drive_init(&c->drive[axis], &settings->drive, 0);
-        limiter_reset(&c->limiter[axis], &settings->limits, settings->home_q48);
-        c->goal_q48[axis] = c->setpoint_q48[axis] = settings->home_q48;
+        const int64_t home_q48 = valid ? settings->home_q48 : 0; // or it might overflow
+        limiter_reset(&c->limiter[axis], &settings->limits, home_q48);
+        c->goal_q48[axis] = c->setpoint_q48[axis] = home_q48;
         c->goal_rate_q48[axis] = 0;
         c->powered[axis] = c->ever_powered[axis] = false;
         c->following_since_us[axis] = 0;
@@ -58,7 +83,6 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     }
     tracker_reset(&c->tracker[AXIS_PAN]);
     tracker_reset(&c->tracker[AXIS_TILT]);
-    const bool valid = config_valid(config);
     c->mode = valid ? MODE_STARTING : MODE_FAULTED;
     c->faults = valid ? 0U : FAULT_CONFIG;
     return valid;
@@ -67,16 +91,15 @@ bool controller_init(struct controller *c, const struct controller_config *confi
 // ---------------------------------------------------------------- inputs
 
 static void advance_time(struct controller *c, uint32_t now_us) {
-    if (!c->started) {
-        c->started = true;
-    } else {
+    if (c->started) {
         const uint32_t elapsed = now_us - c->last_now_us;
-        if (elapsed >= UINT32_C(0x80000000)) { // a clock that runs backwards: time stands still
-            return;
-        }
-        c->time_us += elapsed;
-        c->late_ticks = elapsed > LATE_PERIODS * c->config->tick_us ? c->late_ticks + 1U : 0U;
+        // A clock that runs backwards is broken: no time passes, and the tick counts as late.
+        const bool backwards = elapsed >= UINT32_C(0x80000000);
+        const bool late = backwards || elapsed > LATE_PERIODS * c->config->tick_us;
+        c->time_us += backwards ? 0U : elapsed;
+        c->late_ticks = late ? c->late_ticks + (c->late_ticks < LATE_TICKS_MAX) : 0U;
     }
+    c->started = true;
     c->last_now_us = now_us;
     c->tick++;
 }
@@ -105,6 +128,10 @@ static void take_updates(struct controller *c, const struct controller_input *in
 }
 
 // ---------------------------------------------------------------- faults
+
+static bool comes_late(const struct controller *c) {
+    return c->late_ticks >= LATE_TICKS_MAX;
+}
 
 static bool is_powered_mode(const struct controller *c) {
     return c->powered[AXIS_PAN] || c->powered[AXIS_TILT] || c->powered[AXIS_ZOOM];
@@ -137,7 +164,7 @@ static bool follows(struct controller *c, unsigned axis) {
 
 /// Faults of a powered axis. What a dead drive would do with a stale setpoint when it comes back is
 /// unknown, so it gets none until it is armed again; an axis that does not follow holds where it
-/// is.
+/// is (if that is known: else it stops where it should be).
 static void check_powered_axis(struct controller *c, unsigned axis) {
     struct drive *drive = &c->drive[axis];
     switch (drive_check(drive, c->time_us, c->config->silence_us)) {
@@ -155,21 +182,24 @@ static void check_powered_axis(struct controller *c, unsigned axis) {
     }
     if (!follows(c, axis)) {
         raise_fault(c, FAULT_FOLLOWING, axis);
-        restart_axis(c, axis, drive->position_q48);
+        if (drive_position_is_fresh(drive, c->time_us, c->config->silence_us)) {
+            restart_axis(c, axis, drive->position_q48);
+        }
     }
 }
 
-/// Before arming, causes come and go and are only shown; a drive that falls silent is asked anew.
-static void check_idle_axis(struct controller *c, unsigned axis) {
+/// A drive that falls silent without power may have restarted: it is asked anew. Before arming,
+/// causes come and go and are only shown.
+static void check_unpowered_axis(struct controller *c, unsigned axis, bool show) {
     struct drive *drive = &c->drive[axis];
     const enum drive_fault fault = drive_check(drive, c->time_us, c->config->silence_us);
     if (fault == DRIVE_FAULT_SILENT) {
-        c->faults |= FAULT_DRIVE_SILENT;
         drive_forget(drive);
-    } else if (fault == DRIVE_FAULT_REPORTED) {
-        c->faults |= FAULT_DRIVE_ERROR;
     }
-    c->fault_axis = fault != DRIVE_HEALTHY ? (uint8_t)axis : c->fault_axis;
+    if (show && fault != DRIVE_HEALTHY) {
+        c->faults |= fault == DRIVE_FAULT_SILENT ? FAULT_DRIVE_SILENT : FAULT_DRIVE_ERROR;
+        c->fault_axis = (uint8_t)axis;
+    }
 }
 
 static void check_faults(struct controller *c) {
@@ -180,22 +210,25 @@ static void check_faults(struct controller *c) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (axis_exists(c, axis) && c->powered[axis]) {
             check_powered_axis(c, axis);
-        } else if (axis_exists(c, axis) && idle) {
-            check_idle_axis(c, axis);
+        } else if (axis_exists(c, axis)) {
+            check_unpowered_axis(c, axis, idle);
         }
     }
-    if (c->late_ticks >= LATE_TICKS_MAX && is_powered_mode(c)) {
+    if (comes_late(c) && is_powered_mode(c)) {
         raise_fault(c, FAULT_OVERRUN, 0);
     }
 }
 
 // ---------------------------------------------------------------- modes
 
+static bool drive_ready(const struct controller *c, const struct drive *drive) {
+    return drive->ready && drive_check(drive, c->time_us, c->config->silence_us) == DRIVE_HEALTHY &&
+           drive_position_is_fresh(drive, c->time_us, c->config->silence_us);
+}
+
 static bool drives_ready(const struct controller *c) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        if (axis_exists(c, axis) &&
-            (!c->drive[axis].ready ||
-             drive_check(&c->drive[axis], c->time_us, c->config->silence_us) != DRIVE_HEALTHY)) {
+        if (axis_exists(c, axis) && !drive_ready(c, &c->drive[axis])) {
             return false;
         }
     }
@@ -249,21 +282,17 @@ static void take_commands(struct controller *c, uint32_t commands) {
 }
 
 static void change_mode(struct controller *c) {
-    if ((c->faults & FAULT_CONFIG) != 0U) {
-        c->arm_wanted = false;
-        return;
-    }
     if (c->mode == MODE_STARTING || c->mode == MODE_READY) {
         c->mode = drives_ready(c) ? MODE_READY : MODE_STARTING;
     }
     const bool can_arm =
         c->mode == MODE_READY || c->mode == MODE_STOPPED || c->mode == MODE_FAULTED;
     if (c->arm_wanted && can_arm && all_at_rest(c)) {
-        if (drives_ready(c)) {
+        if (drives_ready(c) && !comes_late(c)) {
             arm(c);
-        } else if (c->mode == MODE_FAULTED) {
-            c->arm_wanted = false; // refused: the cause is still there
+            return; // the aim of this tick was worked out from somewhere else
         }
+        c->arm_wanted = c->mode != MODE_FAULTED; // refused: the cause is still there
     }
     if (c->mode == MODE_SETTLING && c->time_us >= c->settled_us) {
         c->mode = MODE_HOLDING;
@@ -280,12 +309,14 @@ static void change_mode(struct controller *c) {
 void controller_step(struct controller *c, const struct controller_input *input,
                      struct controller_output *output) {
     advance_time(c, input->now_us);
-    take_frames(c, input);
-    take_updates(c, input);
-    check_faults(c);
-    take_commands(c, input->commands);
-    controller_aim(c);
-    change_mode(c);
-    controller_move(c);
+    if ((c->faults & FAULT_CONFIG) == 0U) { // else nothing can be relied on
+        take_frames(c, input);
+        take_updates(c, input);
+        take_commands(c, input->commands); // given before the faults of this tick were known
+        check_faults(c);
+        controller_aim(c);
+        change_mode(c);
+        controller_move(c);
+    }
     controller_report(c, output);
 }

@@ -8,6 +8,10 @@
 ///                                 ^                             |  stop        |
 ///                                 +-------- arm ---- STOPPED <--+--------------+
 ///   any fault: FAULTED: decelerate, hold, stay there until an arm command finds the cause gone.
+/// An arm command in STARTING is kept until the drives answer; one while an axis still moves, until
+/// it rests; a stop takes both back. With settings that are not valid nothing is sent at all.
+///
+/// Shown: tests/unit/test_controller*.c.
 #ifndef CONTROL_CONTROLLER_H
 #define CONTROL_CONTROLLER_H
 
@@ -35,8 +39,8 @@ struct controller_axis_config {
 };
 
 struct controller_config {
-    uint32_t tick_us; ///< nominal, 100 to 20,000
-    struct vec3_i64 position_um;
+    uint32_t tick_us;            ///< nominal, 100 to 20,000
+    struct vec3_i64 position_um; ///< each |component| <= TARGET_POSITION_UM_MAX
     struct mount_attitude attitude;
     struct controller_axis_config axis[AXIS_COUNT];
     struct lens_config lens; ///< of the zoom axis
@@ -61,7 +65,7 @@ enum controller_command {
 #define CONTROLLER_UPDATES_MAX    64U
 
 struct controller_input {
-    uint32_t now_us;   ///< wraps
+    uint32_t now_us;   ///< wraps. If it runs backwards, no time passes and the tick counts as late
     uint32_t commands; ///< enum controller_command, or-ed
     uint32_t frame_count, update_count;
     struct can_frame frame[CONTROLLER_FRAMES_IN_MAX];
@@ -120,7 +124,7 @@ struct controller_output {
 
 // ---------------------------------------------------------------- the controller
 
-/// About 30 KiB (make size); no pointers but to its configuration, so it can be copied.
+/// About 20 KiB (make size); no pointers but to its configuration, so it can be copied.
 struct controller {
     const struct controller_config *config;
     struct mount mount;
@@ -128,6 +132,7 @@ struct controller {
     struct framing_workspace framing_workspace;
     struct framing framing;
     uint32_t framed_version; ///< of the target set that framing was solved for
+    uint32_t aim_reports;    ///< targets.rest_reports when the trackers were last told
     struct limiter limiter[AXIS_COUNT];
     struct drive drive[AXIS_COUNT];
     struct tracker tracker[2]; ///< pan, tilt

@@ -2,8 +2,12 @@
 
 #include "fixed/trig.h"
 
+static bool is_config_valid(const struct controller *c) {
+    return (c->faults & FAULT_CONFIG) == 0U;
+}
+
 static bool has_zoom(const struct controller *c) {
-    return c->config->axis[AXIS_ZOOM].drive.kind != DRIVE_NONE;
+    return is_config_valid(c) && c->config->axis[AXIS_ZOOM].drive.kind != DRIVE_NONE;
 }
 
 /// Hands a new aim to the trackers, on the turn that the limits and the shortest way ask for.
@@ -14,7 +18,8 @@ static void take_aim(struct controller *c) {
         struct tracker *tracker = &c->tracker[axis];
         const struct limiter_config *limits = &c->config->axis[axis].limits;
         const int64_t from = tracker->valid ? tracker->position_q48 : c->setpoint_q48[axis];
-        if (axis == AXIS_PAN && !pan_defined) { // along the pan axis every pan is right: keep it
+        if (axis == AXIS_PAN && !pan_defined) { // along the pan axis every pan is right: it rests
+            tracker_reset(tracker);
             tracker_update(tracker, &c->config->tracker, from);
             continue;
         }
@@ -60,7 +65,10 @@ void controller_aim(struct controller *c) {
             tracker_reset(&c->tracker[AXIS_PAN]);
             tracker_reset(&c->tracker[AXIS_TILT]);
         }
+    } else if (c->aim_reports != c->targets.rest_reports && c->framing.status == FRAMING_OK) {
+        take_aim(c); // the same aim again: that it stands still is news
     }
+    c->aim_reports = c->targets.rest_reports;
     if (c->framing.status != FRAMING_OK) {
         return;
     }
@@ -97,9 +105,11 @@ static uint32_t axis_tick(const struct controller *c, unsigned axis) {
 static void send(struct controller *c, struct controller_output *output) {
     output->frame_count = 0;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        struct drive_output sent;
-        drive_tick(&c->drive[axis], axis_tick(c, axis), c->powered[axis], c->setpoint_q48[axis],
-                   &sent);
+        struct drive_output sent = {0};
+        if (is_config_valid(c)) {
+            drive_tick(&c->drive[axis], axis_tick(c, axis), c->powered[axis], c->setpoint_q48[axis],
+                       &sent);
+        }
         for (uint32_t i = 0;
              i < sent.frame_count && output->frame_count < CONTROLLER_FRAMES_OUT_MAX; i++) {
             output->frame[output->frame_count++] = sent.frame[i];

@@ -28,8 +28,10 @@ void tracker_update(struct tracker *tracker, const struct tracker_config *config
     const int64_t surprise = position_q48 - tracker->position_q48;
     const uint32_t elapsed = tracker->age_ticks;
     tracker->age_ticks = 0;
+    tracker->goal_q48 = position_q48;
     if (!tracker->valid || surprise > config->jump_q48 || surprise < -config->jump_q48) {
-        *tracker = (struct tracker){.position_q48 = position_q48, .valid = true};
+        *tracker =
+            (struct tracker){.position_q48 = position_q48, .goal_q48 = position_q48, .valid = true};
         return;
     }
     if (elapsed == 0U) { // a second goal in one tick: no time for a rate to show
@@ -57,4 +59,7 @@ void tracker_advance(struct tracker *tracker, const struct tracker_config *confi
     }
     tracker->position_q48 =
         clamp(tracker->position_q48 + tracker->rate_q48, -POSITION_Q48_MAX, POSITION_Q48_MAX);
+    if (tracker->age_ticks > (uint64_t)config->coast_ticks + TRACKER_RETURN_TICKS) {
+        tracker->position_q48 = tracker->goal_q48;
+    }
 }

@@ -37,7 +37,7 @@ static void free_slot(struct target_set *set, uint32_t slot) {
 
 static void clear(struct target_set *set) {
     set->version += set->count != 0U;
-    set->count = 0;
+    set->count = set->moving_count = 0;
     for (uint32_t slot = 0; slot < TARGET_INDEX_SIZE; slot++) {
         set->slot[slot] = 0;
     }
@@ -46,6 +46,7 @@ static void clear(struct target_set *set) {
 /// Takes the target at `place` out; the last one takes its place.
 static void remove_at(struct target_set *set, uint32_t place) {
     const uint32_t last = set->count - 1U;
+    set->moving_count -= set->target[place].moves;
     free_slot(set, find_slot(set, set->target[place].id));
     if (place != last) {
         set->slot[find_slot(set, set->target[last].id)] = (uint16_t)(place + 1U);
@@ -57,7 +58,7 @@ static void remove_at(struct target_set *set, uint32_t place) {
 }
 
 void target_set_init(struct target_set *set, struct vec3_i64 viewpoint_um, uint64_t expiry_us) {
-    set->version = 0;
+    set->version = set->rest_reports = 0;
     set->count = 0;
     set->viewpoint_um = viewpoint_um;
     set->expiry_us = expiry_us;
@@ -102,6 +103,22 @@ static enum target_status see_direction(const struct target_update *update, stru
     return TARGET_OK;
 }
 
+/// Takes a new report of a target. One that changes nothing needs no new solution, but tells that
+/// the target has come to rest.
+static void replace(struct target_set *set, uint32_t place, struct vec3 seen_q30,
+                    const struct target *seen) {
+    struct target *target = &set->target[place];
+    const bool changed = !vec3_equal(set->direction_q30[place], seen_q30) ||
+                         target->radius_bam32 != seen->radius_bam32 ||
+                         target->weight_q16 != seen->weight_q16 || target->object != seen->object;
+    set->moving_count += (uint32_t)changed - (uint32_t)target->moves;
+    set->version += changed;
+    set->rest_reports += !changed && set->moving_count == 0U;
+    set->direction_q30[place] = seen_q30;
+    *target = *seen;
+    target->moves = changed;
+}
+
 /// Adds or replaces a target.
 static enum target_status store(struct target_set *set, const struct target_update *update,
                                 uint64_t now_us) {
@@ -113,27 +130,25 @@ static enum target_status store(struct target_set *set, const struct target_upda
     if (status != TARGET_OK) {
         return status;
     }
+    const struct target seen = {.id = update->id,
+                                .object = update->object,
+                                .weight_q16 = update->weight_q16,
+                                .radius_bam32 = radius_bam32,
+                                .seen_us = now_us};
     uint32_t place;
-    if (!target_set_find(set, update->id, &place)) {
-        if (set->count == TARGET_CAPACITY) {
-            return TARGET_ERROR_FULL;
-        }
-        set->oldest_us = set->count == 0U ? now_us : set->oldest_us;
-        place = set->count++;
-        set->slot[find_slot(set, update->id)] = (uint16_t)(place + 1U);
-        set->version++;
-    } else if (!vec3_equal(set->direction_q30[place], seen_q30) ||
-               set->target[place].radius_bam32 != radius_bam32 ||
-               set->target[place].weight_q16 != update->weight_q16 ||
-               set->target[place].object != update->object) {
-        set->version++; // a repeated report of a fixed target is no change: nothing to solve again
+    if (target_set_find(set, update->id, &place)) {
+        replace(set, place, seen_q30, &seen);
+        return TARGET_OK;
     }
+    if (set->count == TARGET_CAPACITY) {
+        return TARGET_ERROR_FULL;
+    }
+    set->oldest_us = set->count == 0U ? now_us : set->oldest_us;
+    place = set->count++;
+    set->slot[find_slot(set, update->id)] = (uint16_t)(place + 1U);
     set->direction_q30[place] = seen_q30;
-    set->target[place] = (struct target){.id = update->id,
-                                         .object = update->object,
-                                         .weight_q16 = update->weight_q16,
-                                         .radius_bam32 = radius_bam32,
-                                         .seen_us = now_us};
+    set->target[place] = seen;
+    set->version++;
     return TARGET_OK;
 }
 

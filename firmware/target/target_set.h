@@ -59,6 +59,7 @@ enum target_status {
 struct target {
     uint32_t id;
     uint16_t object;
+    bool moves; ///< its last report differed from the one before
     uint32_t weight_q16;
     uint32_t radius_bam32; ///< angular radius as seen from the viewpoint, rounded up
     uint64_t seen_us;
@@ -67,6 +68,10 @@ struct target {
 struct target_set {
     uint32_t count;
     uint32_t version; ///< grows with every change that can move the aim
+    /// Grows with every report that changes nothing while no target moves: then the aim stands
+    /// still.
+    uint32_t rest_reports;
+    uint32_t moving_count; ///< targets that move
     struct vec3 direction_q30[TARGET_CAPACITY];
     struct target target[TARGET_CAPACITY];
 

@@ -127,6 +127,36 @@ static void version_grows_with_changes_only(void) {
     CHECK_EQ(set.count, 0);
 }
 
+/// Reports that change nothing count while no target moves; a target moves from a report that
+/// differs to one that does not.
+static void rest_is_reported(void) {
+    start(0);
+    CHECK_EQ(set.rest_reports, 0);
+    CHECK_EQ(apply(at_direction(1, 0, 1, 0), 0), TARGET_OK);
+    CHECK_EQ(apply(at_direction(2, 0, 1, 0), 0), TARGET_OK);
+    CHECK_EQ(set.rest_reports, 0); // new ones do not move
+    CHECK_EQ(apply(at_direction(2, 0, 1, 0), 0), TARGET_OK);
+    CHECK_EQ(set.rest_reports, 1);
+    CHECK_EQ(apply(at_direction(1, 0, 1, 1), 0), TARGET_OK);
+    CHECK_EQ(apply(at_direction(2, 0, 1, 0), 0), TARGET_OK); // 1 moves
+    CHECK_EQ(set.rest_reports, 1);
+    CHECK_EQ(set.moving_count, 1);
+    CHECK_EQ(apply(at_direction(1, 0, 1, 2), 0), TARGET_OK);
+    CHECK_EQ(set.moving_count, 1);
+    CHECK_EQ(apply(at_direction(1, 0, 1, 2), 0), TARGET_OK); // it has stopped
+    CHECK_EQ(set.rest_reports, 2);
+    CHECK_EQ(set.moving_count, 0);
+    CHECK_EQ(apply(at_direction(1, 0, 1, 3), 0), TARGET_OK);
+    CHECK_EQ(gone(1), TARGET_OK); // it left while it moved
+    CHECK_EQ(apply(at_direction(2, 0, 1, 0), 0), TARGET_OK);
+    CHECK_EQ(set.rest_reports, 3);
+    CHECK_EQ(apply(at_direction(2, 1, 0, 0), 0), TARGET_OK);
+    CHECK_EQ(apply((struct target_update){.kind = TARGET_CLEAR}, 0), TARGET_OK);
+    CHECK_EQ(apply(at_direction(2, 1, 0, 0), 0), TARGET_OK);
+    CHECK_EQ(apply(at_direction(2, 1, 0, 0), 0), TARGET_OK);
+    CHECK_EQ(set.rest_reports, 4);
+}
+
 static void directions_of_any_length(void) {
     start(0);
     CHECK_EQ(apply(at_direction(1, INT32_MIN, 0, 0), 0), TARGET_OK);
@@ -253,17 +283,19 @@ static void expires_after_the_time_not_at_it(void) {
 #define KNOWN_IDS 320U
 
 static struct {
-    bool present;
+    bool present, moves;
     uint64_t seen_us;
     struct vec3 direction;
 } model[KNOWN_IDS];
 static uint32_t known_id[KNOWN_IDS];
 
 static void check_against_model(bool all) {
-    uint32_t count = 0;
+    uint32_t count = 0, moving = 0;
     for (uint32_t i = 0; i < KNOWN_IDS; i++) {
         count += model[i].present;
+        moving += model[i].present && model[i].moves;
     }
+    CHECK_EQ(set.moving_count, moving);
     CHECK_EQ(set.count, count);
     const uint32_t step = all ? 1U : 37U;
     for (uint32_t i = (uint32_t)(check_random(&seed) % step); i < KNOWN_IDS && check_clean();
@@ -288,6 +320,7 @@ static void step_both(uint32_t i, uint64_t now_us, uint32_t count) {
         CHECK_EQ(apply(at_direction(known_id[i], d.x, d.y, d.z), now_us),
                  fits ? TARGET_OK : TARGET_ERROR_FULL);
         if (fits) {
+            model[i].moves = model[i].present && !vec3_equal(model[i].direction, d);
             model[i].present = true;
             model[i].seen_us = now_us;
             model[i].direction = d;
@@ -357,6 +390,7 @@ int main(void) {
     TEST(starts_empty);
     TEST(keeps_what_it_is_told);
     TEST(version_grows_with_changes_only);
+    TEST(rest_is_reported);
     TEST(directions_of_any_length);
     TEST(an_error_changes_nothing);
     TEST(positions_reach_the_corners);

@@ -37,6 +37,7 @@ static void nothing_before_the_first_goal(void) {
     CHECK_EQ(tracker.position_q48, -5 * TURN);
     CHECK_EQ(tracker.rate_q48, 0);
     advance(&config, 7);
+    CHECK_EQ(tracker.goal_q48, -5 * TURN);
     CHECK_EQ(tracker.position_q48, -5 * TURN);
     CHECK_EQ(tracker.age_ticks, 7);
     tracker_reset(&tracker);
@@ -151,11 +152,12 @@ static void a_rate_is_believed_for_the_coast_time(void) {
     advance(&config, 1);
     CHECK_EQ(tracker.position_q48, 1100);
     CHECK_EQ(tracker.rate_q48, 0);
-    advance(&config, 1000);
+    advance(&config, 899);
     CHECK_EQ(tracker.position_q48, 1100);
-    tracker_update(&tracker, &config, 100 + 1011 * 2);
-    CHECK_EQ(tracker.position_q48, 2122);
-    CHECK_EQ(tracker.rate_q48, 1); // (2122 - 1100) / 1011
+    tracker_update(&tracker, &config, 100 + 910 * 2);
+    CHECK_EQ(tracker.position_q48, 1920);
+    CHECK_EQ(tracker.rate_q48, 0); // (1920 - 1100) / 910
+    tracker_update(&tracker, &config, 3000);
 
     const struct tracker_config no_coast = {NEVER, 0, 0};
     start();
@@ -164,6 +166,26 @@ static void a_rate_is_believed_for_the_coast_time(void) {
     tracker_update(&tracker, &no_coast, 100);
     advance(&no_coast, 1);
     CHECK_EQ(tracker.position_q48, 100);
+}
+
+/// Without news for long the goal is where it was last given, not where it was smoothed or coasted
+/// to.
+static void a_goal_returns_to_where_it_was_last_seen(void) {
+    const struct tracker_config config = {NEVER, HALF, 10};
+    start();
+    tracker_update(&tracker, &config, 0);
+    advance(&config, 1);
+    tracker_update(&tracker, &config, 400);
+    CHECK_EQ(tracker.position_q48, 300);
+    advance(&config, 10 + TRACKER_RETURN_TICKS);
+    CHECK_EQ(tracker.position_q48, 1300);
+    advance(&config, 1);
+    CHECK_EQ(tracker.position_q48, 400);
+    CHECK_EQ(tracker.rate_q48, 0);
+    advance(&config, 5000);
+    CHECK_EQ(tracker.position_q48, 400);
+    tracker_update(&tracker, &config, 800);
+    CHECK_EQ(tracker.position_q48, 700);
 }
 
 static void a_very_long_silence(void) {
@@ -240,6 +262,7 @@ int main(void) {
     TEST(ramps_are_followed_without_lag);
     TEST(jumps_are_new_goals_at_rest);
     TEST(a_rate_is_believed_for_the_coast_time);
+    TEST(a_goal_returns_to_where_it_was_last_seen);
     TEST(a_very_long_silence);
     TEST(a_second_goal_in_one_tick_replaces_the_first);
     TEST(extremes);
