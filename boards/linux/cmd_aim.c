@@ -24,8 +24,9 @@ static enum cone_status solve_pivot(const struct points *points, struct cone_res
     if (workspace == NULL && bytes != 0U) {
         return CONE_ERROR_WORKSPACE;
     }
-    const enum cone_status status = cone_narrowest(points->directions, points->count,
-                                                   CONE_LENGTHS_ANY, workspace, bytes, result);
+    const struct cone_options options = {.workspace = workspace, .workspace_bytes = bytes};
+    const enum cone_status status =
+        cone_narrowest(points->directions, points->count, &options, result);
     free(workspace);
     return status;
 }

@@ -47,7 +47,10 @@ enum framing_status framing_solve(const struct target_set *set, struct framing_w
     const struct vec3 *directions = select_framed(set, workspace, &count);
     struct cone_result cone;
     framing->framed_count = count;
-    switch (cone_narrowest(directions, count, CONE_LENGTHS_UNIT, NULL, 0, &cone)) {
+    const struct cone_options options = {.lengths = CONE_LENGTHS_UNIT,
+                                         .workspace = workspace->notes,
+                                         .workspace_bytes = sizeof workspace->notes};
+    switch (cone_narrowest(directions, count, &options, &cone)) {
     case CONE_OK:
         framing->ahead_q30 = cone.axis_q30;
         framing->half_angle_bam32 =

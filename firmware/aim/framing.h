@@ -6,6 +6,7 @@
 #include "fixed/bam32.h"
 #include "fixed/must_check.h"
 #include "fixed/vec3.h"
+#include "sphere/cone.h"
 #include "target/target_set.h"
 
 #include <stdint.h>
@@ -27,6 +28,7 @@ struct framing {
 /// Memory of the solver: kept by the caller because a microcontroller's stack is small.
 struct framing_workspace {
     struct vec3 direction_q30[TARGET_CAPACITY];
+    int64_t notes[CONE_WORKSPACE_UNIT_BYTES(TARGET_CAPACITY) / sizeof(int64_t)]; ///< of the solver
 };
 
 /// Solves the framing of a set. Every target of positive weight counts alike.

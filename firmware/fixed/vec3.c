@@ -49,14 +49,15 @@ static struct u128 u128_shift_left(struct u128 a, unsigned shift) {
 /// candidate - 1)^2 * norm2. bits: 30 or 61; candidate: at most 2^bits + 2; size^2 <= norm2 < 2^64.
 static bool rounds_below(uint64_t size, uint64_t norm2, uint64_t candidate, unsigned bits) {
     const uint64_t odd = 2U * candidate - 1U; // below 2^63
-    // left = size^2 << (2 bits + 2), right = odd^2 * norm2: at most 190 bits, in i256.
-    const struct u128 square = u128_mul(odd, odd);
-    const struct i256 right =
-        i256_mul((struct i128){square.lo, (int64_t)square.hi}, (struct i128){norm2, 0});
-    const struct u128 scale = u128_shift_left((struct u128){1, 0}, 2U * bits + 2U);
-    const struct i256 left =
-        i256_mul((struct i128){scale.lo, (int64_t)scale.hi}, (struct i128){size * size, 0});
-    return i256_sign(i256_sub(left, right)) < 0;
+    const struct u128 odd2 = u128_mul(odd, odd), low = u128_mul(odd2.lo, norm2),
+                      high = u128_add(u128_mul(odd2.hi, norm2), (struct u128){low.hi, 0});
+    // right = high : low.lo in 192 bits; left = size^2 shifted by 62 or 124, its lowest 62 bits
+    // empty.
+    const uint64_t size2 = size * size;
+    const struct u128 top = u128_shift_left((struct u128){size2, 0}, 2U * bits + 2U - 62U);
+    const struct u128 left_high = {(top.lo >> 2) | (top.hi << 62), top.hi >> 2};
+    const int order = u128_cmp(left_high, high);
+    return order != 0 ? order < 0 : (top.lo << 62) < low.lo;
 }
 
 /// round(size / sqrt(norm2) * 2^bits), correctly rounded, from a length that is good to 2^-62.
@@ -93,7 +94,27 @@ struct vec3 vec3_normalise(struct vec3 a) {
     return vec3((int32_t)unit.x, (int32_t)unit.y, (int32_t)unit.z);
 }
 
+/// One component of a vector whose squared length is 2^60 + excess, |excess| <= 2^32, times 2^31 /
+/// |a|, by the series 1 - e/2 + 3/8 e^2 of the inverse root. False: too close to a tie to tell.
+static bool scale_near_unit(int64_t component, int64_t excess, int64_t *scaled) {
+    // In units of 2^-30 of the result; the terms left out and the cuts are below 2^6 of them.
+    const int64_t square = (int64_t)(u64_abs(excess) * u64_abs(excess) >> 34);
+    const int64_t correction = 3 * component * square / ((int64_t)1 << 28) - component * excess;
+    const int64_t fraction = correction & (((int64_t)1 << 30) - 1), half = (int64_t)1 << 29;
+    *scaled = component * ((int64_t)1 << 31) + (correction >> 30) + (fraction > half);
+    return fraction < half - 64 || fraction > half + 64;
+}
+
 struct vec3_i64 vec3_normalise_q61(struct vec3 a) {
+    const uint64_t one = UINT64_C(1) << 60, norm2 = vec3_norm2(a), near = UINT64_C(1) << 32;
+    if (norm2 - (one - near) <= 2U * near) {
+        const int64_t excess = (int64_t)(norm2 - one);
+        struct vec3_i64 unit;
+        if (scale_near_unit(a.x, excess, &unit.x) && scale_near_unit(a.y, excess, &unit.y) &&
+            scale_near_unit(a.z, excess, &unit.z)) {
+            return unit;
+        }
+    }
     return normalise(a, 61U);
 }
 

@@ -1,11 +1,20 @@
 #include "sphere/cone.h"
 
 #include "fixed/root.h"
-#include "fixed/trig.h"
+#include "sphere/cone_answer.h"
+#include "sphere/feasible.h"
 #include "sphere/min_norm.h"
-#include "sphere/witness.h"
 
 #include <stdbool.h>
+
+/// Notes on a block of points, from when it was last read: no point's measure from `axis_q30` was
+/// below `least`. With another axis the block is read again only if a point in it could now lie
+/// outside.
+struct block {
+    int64_t least;
+    struct vec3 axis_q30;
+    uint32_t pivots; // of the search by then, from 1; 0: not read yet
+};
 
 /// The search. `units` are the points in Q1.30 with a length within 2^-29 of one: the points
 /// themselves, or copies in the workspace. Filters read units; decisions are made on the points,
@@ -14,13 +23,20 @@ struct search {
     const struct vec3 *points;
     const struct vec3 *units;
     uint32_t count;
+    struct block *blocks;
+    uint32_t block_room, block_step; // how many blocks at most; points from one to the next
+    bool swept;                      // the notes are of all points
     struct min_norm support;
     struct vec3 axis_q30;
-    bool all_ahead; // a pass has seen every point within 2^-7 rad of an axis of this search
-    uint64_t point_reads;
+    uint32_t pivots; // supports so far
+    bool all_ahead;  // a pass has seen every point within 2^-7 rad of an axis of this search
+    uint64_t point_reads, read_limit;
+    uint32_t surrounding; // the point that put zero into the hull of itself and the support
 };
 
 #define NO_POINT UINT32_MAX
+
+enum outcome { FOUND, SURROUNDED, OUT_OF_READS };
 
 // ---------------------------------------------------------------- filters
 
@@ -29,6 +45,8 @@ struct search {
 struct filter {
     struct vec3 axis_q30;
     bool narrow;
+    bool decides; // whether points in its band are worth an exact test: not before the narrow one
+                  // is in force
     unsigned shift;
     int64_t surely_inside;  // measure at or above
     int64_t surely_outside; // measure below
@@ -66,15 +84,14 @@ static int64_t square(uint64_t a) {
 }
 
 /// The filter that fits the support's cone: wide, or narrow once every point is known to be ahead.
-/// *is_narrow tells whether the cone is too narrow for the wide filter to decide anything near the
-/// circle.
-static struct filter make_filter(const struct search *search, bool *is_narrow) {
-    const struct vec3 on_circle = search->units[search->support.index[0]];
+static struct filter make_filter(const struct search *search) {
+    const struct vec3 on_circle = search->units[search->support.point[0].index];
     struct filter filter = {.axis_q30 = search->axis_q30};
     const int64_t dot = measure_wide(&filter, on_circle);
     const uint64_t sine_q60 = vec3_i64_length(vec3_cross(search->axis_q30, on_circle));
-    *is_narrow = dot > 0 && sine_q60 < NARROW_SINE_Q60;
-    filter.narrow = *is_narrow && search->all_ahead;
+    const bool is_narrow = dot > 0 && sine_q60 < NARROW_SINE_Q60;
+    filter.narrow = is_narrow && search->all_ahead;
+    filter.decides = filter.narrow == is_narrow;
     if (!filter.narrow) {
         filter.surely_inside = dot + DOT_BAND;
         filter.surely_outside = dot - DOT_BAND;
@@ -93,300 +110,375 @@ static struct filter make_filter(const struct search *search, bool *is_narrow) {
     return filter;
 }
 
-/// The first point at or after `from`, in steps of `stride`, whose measure is below the limit;
-/// NO_POINT if there is none. This is the loop that reads every point; all else happens rarely.
-static uint32_t next_below(struct search *search, const struct filter *filter, uint32_t from,
-                           uint32_t stride, int64_t limit, int64_t *measure) {
-    const struct vec3 *units = search->units;
-    const uint32_t count = search->count;
-    uint32_t i = from;
+/// The least measure of the points from, from + stride, ... below `end`. This loop reads every
+/// point; all else happens rarely.
+static int64_t least_measure(struct search *search, const struct filter *filter, uint32_t from,
+                             uint32_t end, uint32_t stride) {
+    const struct vec3 *unit = search->units + from, *last = search->units + end;
+    int64_t least = INT64_MAX;
+    search->point_reads += stride == 1U ? end - from : (end - from + stride - 1U) / stride;
     if (filter->narrow) {
-        for (; i < count; i += stride) {
-            *measure = measure_narrow(filter, units[i]);
-            if (*measure < limit) {
-                break;
-            }
+        for (; unit < last; unit += stride) {
+            const int64_t measure = measure_narrow(filter, *unit);
+            least = measure < least ? measure : least;
         }
-    } else {
-        for (; i < count; i += stride) {
-            *measure = measure_wide(filter, units[i]);
-            if (*measure < limit) {
-                break;
-            }
+        return least;
+    }
+    const int64_t x = filter->axis_q30.x, y = filter->axis_q30.y, z = filter->axis_q30.z;
+    for (; unit < last; unit += stride) {
+        const int64_t measure = x * unit->x + y * unit->y + z * unit->z;
+        least = measure < least ? measure : least;
+    }
+    return least;
+}
+
+static int64_t measure(const struct filter *filter, struct vec3 unit) {
+    return filter->narrow ? measure_narrow(filter, unit) : measure_wide(filter, unit);
+}
+
+// ---------------------------------------------------------------- pivoting
+
+static struct min_norm_point point_of(const struct search *search, uint32_t index) {
+    return cone_point(search->points, index);
+}
+
+static bool is_in_support(const struct search *search, uint32_t index) {
+    for (uint8_t i = 0; i < search->support.count; i++) {
+        if (search->support.point[i].index == index) {
+            return true;
         }
     }
-    const bool found = i < count;
-    search->point_reads += ((found ? i : count - 1U) - from) / stride + 1U;
-    return found ? i : NO_POINT;
+    return false;
 }
 
-// ---------------------------------------------------------------- the pivot loop
-
-static struct vec3_i64 fine(const struct search *search, uint32_t index) {
-    return vec3_normalise_q61(search->points[index]);
+/// Exact.
+static bool violates(struct search *search, uint32_t index) {
+    if (is_in_support(search, index)) {
+        return false; // its own points lie on the circle
+    }
+    search->point_reads += 16U * (search->read_limit != 0U); // what it costs, for those who count
+    const struct min_norm_point point = point_of(search, index);
+    return min_norm_violated_by(&search->support, &point);
 }
 
-static bool violates(const struct search *search, uint32_t index) {
-    return min_norm_violated_by(&search->support, fine(search, index));
+static bool is_over_limit(const struct search *search) {
+    return search->read_limit != 0U && search->point_reads >= search->read_limit;
 }
 
-/// One pass: the farthest point that violates the support's cone, or NO_POINT.
-/// decide: whether points in the filter's band are tested exactly, or let pass.
-static uint32_t find_violator(struct search *search, const struct filter *filter, uint32_t stride,
-                              bool decide) {
-    int64_t limit = decide ? filter->surely_inside : filter->surely_outside, measure = 0;
+/// Takes a violating point in. False: it puts zero into the hull.
+static bool enter(struct search *search, const struct min_norm_point *point) {
+    search->surrounding = point->index;
+    search->pivots++;
+    return min_norm_enter(&search->support, point);
+}
+
+static void turn_axis(struct search *search) {
+    search->axis_q30 = vec3_i64_normalise(min_norm_direction(&search->support));
+}
+
+/// The point of a block that is farthest out of those that violate; NO_POINT if none does.
+static uint32_t worst_of_block(struct search *search, const struct filter *filter, uint32_t from,
+                               uint32_t end, uint32_t stride) {
+    int64_t limit = filter->decides ? filter->surely_inside : filter->surely_outside;
     uint32_t worst = NO_POINT;
-    for (uint32_t i = 0; i < search->count; i += stride) {
-        i = next_below(search, filter, i, stride, limit, &measure);
-        if (i == NO_POINT) {
-            break;
-        }
-        if (measure < filter->surely_outside || violates(search, i)) {
+    search->point_reads += (end - from + stride - 1U) / stride;
+    for (uint32_t i = from; i < end; i += stride) {
+        const int64_t of_point = measure(filter, search->units[i]);
+        if (of_point < limit && (of_point < filter->surely_outside || violates(search, i))) {
             worst = i;
-            limit = measure;
+            limit = of_point;
         }
     }
     return worst;
 }
 
-/// The slow way round a broken promise about the lengths: exact tests only.
-static uint32_t find_violator_exactly(struct search *search, uint32_t stride) {
-    for (uint32_t i = 0; i < search->count; i += stride) {
-        search->point_reads++;
-        if (violates(search, i)) {
-            return i;
+/// The point that enters: a filter's worst one, which does violate unless the promise about the
+/// lengths is broken; then exact tests are the slow way round. False: no point of these violates.
+static bool choose(struct search *search, uint32_t worst, uint32_t from, uint32_t end,
+                   uint32_t stride, struct min_norm_point *point) {
+    if (worst == NO_POINT) {
+        return false;
+    }
+    *point = point_of(search, worst);
+    bool violating = min_norm_violated_by(&search->support, point);
+    for (uint32_t i = from; !violating && i < end; i += stride) {
+        *point = point_of(search, i);
+        violating = min_norm_violated_by(&search->support, point);
+    }
+    return violating;
+}
+
+/// Pivots until no point of the block violates.
+static enum outcome settle_block(struct search *search, struct filter *filter, struct block *block,
+                                 uint32_t from, uint32_t end, uint32_t stride) {
+    for (;;) {
+        block->least = least_measure(search, filter, from, end, stride);
+        block->axis_q30 = search->axis_q30;
+        block->pivots = search->pivots;
+        if (block->least >= (filter->decides ? filter->surely_inside : filter->surely_outside)) {
+            return FOUND;
+        }
+        const uint32_t worst = worst_of_block(search, filter, from, end, stride);
+        struct min_norm_point point;
+        if (!choose(search, worst, from, end, stride, &point)) {
+            return FOUND;
+        }
+        if (!enter(search, &point)) {
+            return SURROUNDED;
+        }
+        turn_axis(search);
+        *filter = make_filter(search);
+        if (is_over_limit(search)) {
+            return OUT_OF_READS;
         }
     }
-    return NO_POINT;
+}
+
+/// Could a measure in the block be below the limit now? No axis moves a dot product by more than it
+/// moves itself.
+static bool may_be_below(const struct search *search, const struct block *block, int64_t limit) {
+    if (block->least < limit) {
+        return true;
+    }
+    const uint64_t slack_q30 = (uint64_t)(block->least - limit) >> 30;
+    const uint64_t x = u64_abs((int64_t)search->axis_q30.x - block->axis_q30.x),
+                   y = u64_abs((int64_t)search->axis_q30.y - block->axis_q30.y),
+                   z = u64_abs((int64_t)search->axis_q30.z - block->axis_q30.z);
+    return x * x + y * y + z * z >= slack_q30 * slack_q30; // both below 2^63: |axes| are 2^30
+}
+
+static bool is_doubtful(const struct search *search, const struct filter *filter,
+                        const struct block *block) {
+    if (block->pivots == search->pivots) {
+        return false; // settled with this very support
+    }
+    return filter->narrow || block->pivots == 0U ||
+           may_be_below(search, block,
+                        filter->decides ? filter->surely_inside : filter->surely_outside);
+}
+
+static uint32_t block_end(const struct search *search, uint32_t from) {
+    const uint32_t left = search->count - from;
+    return left < search->block_step ? search->count : from + search->block_step;
+}
+
+/// Cuts every stride-th point into as many blocks as there is room for notes.
+static void cut_blocks(struct search *search, uint32_t stride) {
+    const uint32_t members = (search->count - 1U) / stride + 1U;
+    // Small blocks save reads, large ones bookkeeping: make bench-cone found these.
+    uint32_t per_block = root_u32(search->count) / 4U;
+    per_block = per_block < CONE_BLOCK_POINTS ? CONE_BLOCK_POINTS : per_block;
+    per_block = per_block > 64U ? 64U : per_block;
+    const uint32_t least = (members - 1U) / search->block_room + 1U;
+    per_block = per_block < least ? least : per_block;
+    search->block_step = per_block * stride;
+    for (uint32_t b = 0; b < (members - 1U) / per_block + 1U; b++) {
+        search->blocks[b].pivots = 0;
+    }
 }
 
 /// Pivots on every stride-th point until none violates. Each pivot shortens the norm of the
-/// support's nearest point, so no support comes twice and the loop ends. Returns NO_POINT, or the
-/// point that puts zero into the hull of itself and the support.
-static uint32_t pivot(struct search *search, uint32_t stride) {
-    for (;;) {
-        bool is_narrow;
-        const struct filter filter = make_filter(search, &is_narrow);
-        uint32_t violator = find_violator(search, &filter, stride, filter.narrow == is_narrow);
-        if (violator == NO_POINT && is_narrow && !filter.narrow) {
-            search->all_ahead = stride == 1U;
-            if (stride == 1U) {
-                continue; // now with the narrow filter
+/// support's nearest point, so no support comes twice and the loop ends.
+static enum outcome sweep(struct search *search, uint32_t stride) {
+    cut_blocks(search, stride);
+    struct filter filter = make_filter(search);
+    for (bool doubtful = true; doubtful;) {
+        doubtful = false;
+        for (uint32_t from = 0, b = 0; from < search->count; from += search->block_step, b++) {
+            if (!is_doubtful(search, &filter, &search->blocks[b])) {
+                continue;
+            }
+            doubtful = true;
+            const enum outcome outcome = settle_block(search, &filter, &search->blocks[b], from,
+                                                      block_end(search, from), stride);
+            if (outcome != FOUND || is_over_limit(search)) {
+                return outcome != FOUND ? outcome : OUT_OF_READS;
             }
         }
-        if (violator != NO_POINT && !violates(search, violator)) {
-            violator = find_violator_exactly(search, stride);
-        }
-        if (violator == NO_POINT) {
-            return NO_POINT;
-        }
-        if (!min_norm_enter(&search->support, violator, fine(search, violator))) {
-            return violator;
-        }
-        search->axis_q30 = vec3_i64_normalise(min_norm_direction(&search->support));
     }
+    search->swept = stride == 1U;
+    return FOUND;
 }
 
-// ---------------------------------------------------------------- exact feasibility near 90
-// degrees
-
-/// The point as a 64-bit vector of about 2^60, in exactly its direction: lengths within a factor of
-/// 4 of each other keep the pivots on the raw integers few.
-static struct vec3_i64 long_direction(struct vec3 point) {
-    const uint64_t size = u64_abs(point.x) | u64_abs(point.y) | u64_abs(point.z);
-    const int64_t scale = (int64_t)1 << (u64_leading_zeros(size) - 4U);
-    return (struct vec3_i64){point.x * scale, point.y * scale, point.z * scale};
-}
-
-/// Does the axis in Q1.30 see every point? Then the set is feasible, whatever else rounding did.
-static bool axis_sees_all(struct search *search) {
-    for (uint32_t i = 0; i < search->count; i++) {
-        search->point_reads++;
-        if (i128_sign(vec3_dot(search->axis_q30, search->points[i])) <= 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/// Pivots on the integers as given: is zero in their closed convex hull? Exact.
-/// Returns CONE_OK, leaving a support whose direction has every point strictly in front, or
-/// CONE_INFEASIBLE.
-static enum cone_status decide_on_integers(struct search *search, struct min_norm *support,
-                                           uint32_t *last) {
-    min_norm_start(support, 0, long_direction(search->points[0]));
+/// Few points: the 64-bit filters of the support itself decide nearly all, and the axis is worked
+/// out once, at the end.
+static enum outcome pivot_few(struct search *search) {
     for (;;) {
         uint32_t worst = NO_POINT;
         int64_t least = INT64_MAX;
-        const struct vec3 normal_q30 = vec3_i64_normalise(min_norm_direction(support));
+        search->point_reads += search->count;
+        const struct min_norm_filter filter = min_norm_filter(&search->support);
         for (uint32_t i = 0; i < search->count; i++) {
-            search->point_reads++;
-            const int64_t ahead = vec3_dot_unit(normal_q30, search->units[i]);
-            if (ahead < least && min_norm_violated_by(support, long_direction(search->points[i]))) {
+            const int64_t depth = min_norm_depth(&filter, search->units[i]);
+            if (depth <= MIN_NORM_BAND && depth < least &&
+                (depth < -MIN_NORM_BAND || violates(search, i))) {
                 worst = i;
-                least = ahead;
+                least = depth;
             }
         }
-        if (worst == NO_POINT) {
-            return CONE_OK;
+        struct min_norm_point point;
+        if (!choose(search, worst, 0, search->count, 1, &point)) {
+            turn_axis(search);
+            return FOUND;
         }
-        if (!min_norm_enter(support, worst, long_direction(search->points[worst]))) {
-            *last = worst;
+        if (!enter(search, &point)) {
+            return SURROUNDED;
+        }
+        if (is_over_limit(search)) {
+            turn_axis(search);
+            return OUT_OF_READS;
+        }
+    }
+}
+
+/// About 2 sqrt(count) points, evenly strided, are solved first: the pivots then happen on a small
+/// set, and the whole set is read about once, also when it winds outward.
+static uint32_t sample_stride(uint32_t count) {
+    return count < 256U ? 1U : count / (2U * root_u32(count));
+}
+
+#define FEW_POINTS 48U
+
+static enum outcome pivot_many(struct search *search) {
+    turn_axis(search);
+    const uint32_t stride = search->support.count > 1U ? 1U : sample_stride(search->count);
+    enum outcome outcome = stride > 1U ? sweep(search, stride) : FOUND;
+    if (outcome == FOUND) {
+        outcome = sweep(search, 1);
+    }
+    // Narrow cones: only now is every point known to be ahead, and the finer filter right.
+    const struct filter filter = make_filter(search);
+    if (outcome == FOUND && !filter.decides) {
+        search->all_ahead = true;
+        outcome = sweep(search, 1);
+    }
+    return outcome;
+}
+
+// ---------------------------------------------------------------- the answer
+
+/// Settles what the rounded unit vectors leave open.
+static enum cone_status settle_feasibility(struct search *search, bool surrounded,
+                                           struct cone_result *result) {
+    if (surrounded) {
+        result->witness_count = feasible_witness(search->points, &search->support,
+                                                 search->surrounding, result->witness);
+        if (result->witness_count != 0U) {
             return CONE_INFEASIBLE;
         }
+    } else {
+        // 2^-20 of cosine is far above every rounding: all points are ahead of the axis.
+        const struct vec3 on_circle = search->units[search->support.point[0].index];
+        if (vec3_dot_unit(search->axis_q30, on_circle) > (int64_t)1 << 40) {
+            return CONE_OK;
+        }
     }
-}
-
-static bool find_witness(const struct search *search, const struct min_norm *support, uint32_t last,
-                         struct cone_result *result) {
-    uint32_t candidates[4];
-    for (uint8_t i = 0; i < support->count; i++) {
-        candidates[i] = support->index[i];
-    }
-    candidates[support->count] = last;
-    result->witness_count =
-        witness_find(search->points, candidates, (uint8_t)(support->count + 1U), result->witness);
-    return result->witness_count != 0U;
-}
-
-/// Settles what the rounded unit vectors leave open. `last`: the point that put zero into their
-/// hull, or NO_POINT.
-static enum cone_status settle_feasibility(struct search *search, uint32_t last,
-                                           struct cone_result *result) {
-    if (last != NO_POINT && find_witness(search, &search->support, last, result)) {
+    struct min_norm support;
+    if (!feasible_decide(search->points, search->count, &support, result->witness,
+                         &result->witness_count, &search->point_reads)) {
         return CONE_INFEASIBLE;
     }
-    // 2^-20 of cosine is far above every rounding: all points are ahead of the axis.
-    const struct vec3 on_circle = search->units[search->support.index[0]];
-    if (last == NO_POINT &&
-        (vec3_dot_unit(search->axis_q30, on_circle) > (int64_t)1 << 40 || axis_sees_all(search))) {
-        return CONE_OK;
-    }
-    struct min_norm support = {0};
-    uint32_t opposite = NO_POINT;
-    if (decide_on_integers(search, &support, &opposite) == CONE_INFEASIBLE) {
-        (void)find_witness(search, &support, opposite,
-                           result); // zero is in their hull: there is one
-        return CONE_INFEASIBLE;
-    }
-    if (last != NO_POINT) { // any axis that sees all is within 2^-59 rad of the best half-angle
+    if (surrounded) { // any axis that sees all is within 2^-59 rad of the best half-angle
         search->support = support;
         search->axis_q30 = vec3_i64_normalise(min_norm_direction(&support));
     }
     return CONE_OK;
 }
 
-// ---------------------------------------------------------------- the answer
-
-/// Signed square of the cosine of the angle between axis and point, times the point's squared
-/// length.
-static struct i128 signed_square(struct vec3 axis_q30, struct vec3 point) {
-    const struct i128 dot =
-        vec3_dot(axis_q30, point); // below 2^62: |axis| is 2^30, |point| below 2^32
-    const int64_t ahead = (int64_t)dot.lo;
-    return i128_mul(ahead, ahead < 0 ? -ahead : ahead);
-}
-
-/// Is point a at a larger true angle from the axis than b? Exact: cosines compared without a root,
-/// 189 bits.
-static bool is_farther(struct vec3 axis_q30, struct vec3 a, struct vec3 b) {
-    const struct i128 norm_a = {vec3_norm2(a), 0}, norm_b = {vec3_norm2(b), 0};
-    return i256_sign(i256_sub(i256_mul(signed_square(axis_q30, a), norm_b),
-                              i256_mul(signed_square(axis_q30, b), norm_a))) < 0;
-}
-
-/// A point at the largest true angle from the axis as printed.
+/// A point at the largest true angle from the axis as printed. Only blocks that may reach the
+/// circle are read again.
 static uint32_t find_farthest(struct search *search) {
-    bool is_narrow;
-    struct filter filter = make_filter(search, &is_narrow);
-    uint32_t farthest = search->support.index[0];
-    for (uint32_t i = 0; i < search->count; i++) {
-        int64_t measure;
-        i = next_below(search, &filter, i, 1, filter.surely_inside, &measure);
-        if (i == NO_POINT) {
-            break;
+    const struct filter filter = make_filter(search);
+    uint32_t farthest = search->support.point[0].index;
+    for (uint32_t from = 0, b = 0; from < search->count; from += search->block_step, b++) {
+        const struct block *block = &search->blocks[b];
+        if (search->swept && !filter.narrow && !may_be_below(search, block, filter.surely_inside)) {
+            continue;
         }
-        if (is_farther(search->axis_q30, search->points[i], search->points[farthest])) {
-            farthest = i;
+        const uint32_t end = block_end(search, from);
+        search->point_reads += end - from;
+        for (uint32_t i = from; i < end; i++) {
+            if (measure(&filter, search->units[i]) < filter.surely_inside &&
+                cone_is_farther(search->axis_q30, search->points[i], search->points[farthest])) {
+                farthest = i;
+            }
         }
     }
     return farthest;
 }
 
-/// True angle between the axis and a point, rounded up; 2^64 units a turn.
-static uint64_t angle_rounded_up(struct vec3 axis_q30, struct vec3 point) {
-    // Bring the point to 31 bits, so that the integer length of the cross product has 60 bits of
-    // angle.
-    const uint64_t size = u64_abs(point.x) | u64_abs(point.y) | u64_abs(point.z);
-    const unsigned zeros = u64_leading_zeros(size);
-    const int32_t scale = zeros > 34U ? (int32_t)1 << (zeros - 34U) : 1;
-    const struct vec3 p = vec3(point.x * scale, point.y * scale, point.z * scale);
-    const uint64_t across = vec3_i64_length(vec3_cross(axis_q30, p)) + 1U;
-    const int64_t ahead = (int64_t)vec3_dot(axis_q30, p).lo;
-    const uint64_t acute = trig_atan2_turn64(across, u64_abs(ahead));
-    const uint64_t turn = ahead < 0 ? (UINT64_C(1) << 63) - acute : acute;
-    return turn +
-           (UINT64_C(1) << 9); // over 2^-55 turns: the arc tangent's 2^-56.6 and the lengths' 2^-61
-}
-
-static void report(struct search *search, struct cone_result *result) {
-    const struct min_norm *support = &search->support;
-    result->axis_q30 = search->axis_q30;
-    result->support_count = support->count;
-    for (uint8_t i = 0; i < support->count; i++) {
-        uint8_t at = i;
-        for (; at > 0U && result->support[at - 1U] > support->index[i]; at--) {
-            result->support[at] = result->support[at - 1U];
+/// Normalised copies of points of any length.
+static bool copy_units(const struct vec3 *points, uint32_t count, struct vec3 *copies,
+                       struct cone_result *result) {
+    for (uint32_t i = 0; i < count; i++) {
+        if (vec3_is_zero(points[i])) {
+            result->bad_index = i;
+            return false;
         }
-        result->support[at] = support->index[i];
+        copies[i] = vec3_normalise(points[i]);
     }
-    result->farthest_index = find_farthest(search);
-    result->half_angle_turn64 =
-        angle_rounded_up(search->axis_q30, search->points[result->farthest_index]);
-    const uint64_t up = (result->half_angle_turn64 + UINT32_MAX) >> 32;
-    result->half_angle_bam32 = bam32((uint32_t)up);
+    result->point_reads = count;
+    return true;
 }
 
-/// About 4 sqrt(count) points, evenly strided, are solved first: the pivots then happen on a small
-/// set, and the whole set is read a few times only, also when it winds outward.
-static uint32_t sample_stride(uint32_t count) {
-    return count < 256U ? 1U : count / (4U * root_u32(count));
+/// Begins with the warm start's points, or the first point.
+static bool start(struct search *search, const struct cone_options *options) {
+    const bool warm = options->warm_count != 0U && options->warm[0] < search->count;
+    const struct min_norm_point first = point_of(search, warm ? options->warm[0] : 0U);
+    min_norm_start(&search->support, &first, true);
+    search->pivots = 1;
+    for (uint8_t i = 1; warm && i < options->warm_count && i < 3U; i++) {
+        if (options->warm[i] < search->count) {
+            const struct min_norm_point next = point_of(search, options->warm[i]);
+            if (min_norm_violated_by(&search->support, &next) && !enter(search, &next)) {
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 enum cone_status cone_narrowest(const struct vec3 *points, uint32_t count,
-                                enum cone_lengths lengths, void *workspace, size_t workspace_bytes,
-                                struct cone_result *result) {
+                                const struct cone_options *options, struct cone_result *result) {
     *result = (struct cone_result){0};
+    const bool copy = options->lengths == CONE_LENGTHS_ANY;
     if (count == 0U) {
         return CONE_EMPTY;
     }
-    if (lengths == CONE_LENGTHS_ANY && workspace_bytes < CONE_WORKSPACE_BYTES(count)) {
+    if (copy && options->workspace_bytes < CONE_WORKSPACE_BYTES(count)) {
         return CONE_ERROR_WORKSPACE;
     }
-    struct vec3 *copies = workspace;
-    for (uint32_t i = 0; i < count && lengths == CONE_LENGTHS_ANY; i++) {
-        if (vec3_is_zero(points[i])) {
-            result->bad_index = i;
-            return CONE_ERROR_ZERO_VECTOR;
-        }
-        copies[i] = vec3_normalise(points[i]);
-        result->point_reads++;
+    struct block own_block;
+    const size_t note_bytes = CONE_WORKSPACE_UNIT_BYTES(count);
+    const bool notes = options->workspace_bytes >= note_bytes;
+    struct vec3 *copies =
+        copy ? (struct vec3 *)(void *)((char *)options->workspace + note_bytes) : NULL;
+    if (copy && !copy_units(points, count, copies, result)) {
+        return CONE_ERROR_ZERO_VECTOR;
     }
     struct search search = {.points = points,
-                            .units = lengths == CONE_LENGTHS_ANY ? copies : points,
+                            .units = copy ? copies : points,
                             .count = count,
-                            .point_reads = result->point_reads};
-    min_norm_start(&search.support, 0, fine(&search, 0));
-    search.axis_q30 = vec3_i64_normalise(search.support.point[0]);
-
-    const uint32_t stride = sample_stride(count);
-    uint32_t last = stride > 1U ? pivot(&search, stride) : NO_POINT;
-    if (last == NO_POINT) {
-        last = pivot(&search, 1);
+                            .blocks = notes ? options->workspace : &own_block,
+                            .block_step = count,
+                            .block_room =
+                                notes ? (uint32_t)(note_bytes / sizeof(struct block)) : 1U,
+                            .point_reads = result->point_reads,
+                            .read_limit = options->read_limit};
+    enum outcome outcome = SURROUNDED;
+    if (start(&search, options)) {
+        outcome = count <= FEW_POINTS ? pivot_few(&search) : pivot_many(&search);
     }
-    const enum cone_status status = settle_feasibility(&search, last, result);
+    enum cone_status status = CONE_UNFINISHED;
+    if (outcome == OUT_OF_READS) {
+        cone_report(points, search.axis_q30, &search.support, search.support.point[0].index,
+                    result);
+    } else {
+        status = settle_feasibility(&search, outcome == SURROUNDED, result);
+    }
     if (status == CONE_OK) {
-        report(&search, result);
+        const uint32_t farthest = find_farthest(&search);
+        cone_report(points, search.axis_q30, &search.support, farthest, result);
     }
     result->point_reads = search.point_reads;
     return status;

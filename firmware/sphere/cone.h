@@ -23,8 +23,11 @@ enum cone_status {
     CONE_EMPTY = -2,
     /// A zero vector has no direction; result->bad_index is the first one.
     CONE_ERROR_ZERO_VECTOR = -3,
-    /// The workspace is smaller than CONE_WORKSPACE_BYTES(count).
-    CONE_ERROR_WORKSPACE = -4
+    /// CONE_LENGTHS_ANY: the workspace is smaller than CONE_WORKSPACE_BYTES(count).
+    CONE_ERROR_WORKSPACE = -4,
+    /// read_limit is used up. result->support is a lower bound: the best support so far; give it as
+    /// the warm start of the next call, also if the points have moved on, and go on from there.
+    CONE_UNFINISHED = -5
 };
 
 /// What the caller knows of the points' lengths.
@@ -37,8 +40,27 @@ enum cone_lengths {
     CONE_LENGTHS_UNIT
 };
 
-/// Bytes of workspace for count points of any length.
-#define CONE_WORKSPACE_BYTES(count) ((size_t)(count) * sizeof(struct vec3))
+/// Bytes of workspace, aligned to 8: notes on blocks of 16 points or more, which save reading them
+/// again; and for points of any length a normalised copy of each. Unit vectors are solved without
+/// any workspace, too, with more reads.
+#define CONE_BLOCK_POINTS 16U
+#define CONE_WORKSPACE_UNIT_BYTES(count)                                                           \
+    (((size_t)(count) / CONE_BLOCK_POINTS + 1U) * 3U * sizeof(int64_t))
+#define CONE_WORKSPACE_BYTES(count)                                                                \
+    (CONE_WORKSPACE_UNIT_BYTES(count) + (size_t)(count) * sizeof(struct vec3))
+
+struct cone_options {
+    enum cone_lengths lengths;
+    void *workspace;
+    size_t workspace_bytes;
+    /// Where to begin: the support of a similar set (of the last tick, say), indices into points;
+    /// none: from scratch.
+    const uint32_t *warm;
+    uint8_t warm_count; ///< at most 3
+    /// Stop with CONE_UNFINISHED after about so many reads of a point; 0: never. An exact test
+    /// counts as 16.
+    uint64_t read_limit;
+};
 
 struct cone_result {
     /// Unit, Q1.30: where to look.
@@ -68,18 +90,17 @@ struct cone_result {
 /// The narrowest cone, by pivoting: the farthest point enters a support set of at most three.
 /// points:   count directions, components any int32; not modified.
 /// Returns:  a status; result is set as far as the status says.
-/// Cost:     expected O(count); a handful of passes. No allocation, no recursion.
-///           (tests/property/cone_random.c prints reads a point; a bench follows with the Anderson
-///           issue)
-/// Accuracy: the largest true angle from axis_q30 exceeds the optimum by at most 3 nrad at
-/// half-angles from
-///           1e-6 rad to 89.999 degrees, and half_angle_turn64 exceeds that angle by at most 2^-50
-///           turns (tests/property/cone_random.c, tests/unit/test_cone_vectors.c). Nearer to 90
-///           degrees feasibility is still exact, and the axis within 3 nrad of one that sees all
-///           points. Scaling, permuting or repeating points changes no bit of the axis.
+/// Cost:     expected O(count): each point is read about once, whatever the order (make
+/// bench-cone); with a warm start
+///           once. No allocation, no recursion.
+/// Accuracy: the largest true angle from axis_q30 exceeds the optimum by at most 1 nrad, and
+/// half_angle_turn64
+///           exceeds that angle by at most 2^-50 turns (tests/property/cone_random.c,
+///           tests/unit/test_cone_vectors.c). Feasibility is exact. Scaling, permuting or repeating
+///           points changes no bit of the axis.
 /// Source:   Anderson 1985, section 4.3, Lawson 1965; docs/geometry.md, "The pivot solver".
 enum cone_status cone_narrowest(const struct vec3 *points, uint32_t count,
-                                enum cone_lengths lengths, void *workspace, size_t workspace_bytes,
+                                const struct cone_options *options,
                                 struct cone_result *result) MUST_CHECK;
 
 #endif

@@ -18,19 +18,61 @@ static int dot_sign_i128(struct vec3_i128 a, struct vec3_i128 b) {
         i256_add(i256_add(i256_mul(a.x, b.x), i256_mul(a.y, b.y)), i256_mul(a.z, b.z)));
 }
 
-static void hold_one(struct min_norm *support, uint32_t index, struct vec3_i64 a) {
-    support->count = 1;
-    support->index[0] = index;
-    support->point[0] = a;
-    support->against = vec3_i64_dot(a, a);
+// ---------------------------------------------------------------- 64-bit filters, for unit vectors
+
+/// -1, 1, or 0 if the value is inside the band of error.
+static int sure_sign(int64_t value) {
+    return value > MIN_NORM_BAND ? 1 : (value < -MIN_NORM_BAND ? -1 : 0);
 }
 
-void min_norm_start(struct min_norm *support, uint32_t index, struct vec3_i64 point) {
-    hold_one(support, index, point);
+/// Is the angle at a, in the triangle a b c of unit vectors, acute (1) or obtuse (-1)? 0: can't
+/// tell.
+static int sure_angle(struct vec3 a, struct vec3 b, struct vec3 c) {
+    return sure_sign(min_norm_dot(vec3_between(a, b), vec3_between(a, c)));
 }
 
-bool min_norm_violated_by(const struct min_norm *support, struct vec3_i64 point) {
-    const struct vec3_i64 a = support->point[0], from_a = vec3_i64_sub(point, a);
+struct min_norm_filter min_norm_filter(const struct min_norm *support) {
+    const struct vec3_i64 n = support->rough_normal;
+    return (struct min_norm_filter){.plane = support->count == 3U,
+                                    .a = support->point[0].unit_q30,
+                                    // One point is the ball shrunk to it.
+                                    .b = support->point[support->count == 2U ? 1 : 0].unit_q30,
+                                    .normal = {n.x >> 32, n.y >> 32, n.z >> 32}};
+}
+
+// ---------------------------------------------------------------- exact tests
+
+static struct vec3_i64 exact_point(const struct min_norm *support, unsigned i) {
+    return support->point[i].exact;
+}
+
+/// Works out what the exact tests of the support need.
+static void know_exactly(struct min_norm *support) {
+    if (support->exact_known) {
+        return;
+    }
+    support->exact_known = true;
+    const struct vec3_i64 a = exact_point(support, 0);
+    if (support->count == 1U) {
+        support->against = vec3_i64_dot(a, a);
+    } else if (support->count == 2U) {
+        support->chord = vec3_i64_sub(exact_point(support, 1), a);
+        support->chord2 = vec3_i64_dot(support->chord, support->chord);
+        support->against = vec3_i64_dot(a, support->chord);
+    } else {
+        support->normal = vec3_i64_cross(vec3_i64_sub(exact_point(support, 1), a),
+                                         vec3_i64_sub(exact_point(support, 2), a));
+        support->turned = support->side_known ? support->turned
+                                              : i256_sign(vec3_i128_dot(support->normal, a)) < 0;
+        if (support->turned) {
+            support->normal = negate_i128(support->normal);
+        }
+    }
+}
+
+static bool violated_exactly(struct min_norm *support, struct vec3_i64 point) {
+    know_exactly(support);
+    const struct vec3_i64 a = exact_point(support, 0), from_a = vec3_i64_sub(point, a);
     switch (support->count) {
     case 1: // nearest point a: a . (x - a) < 0
         return i128_cmp(vec3_i64_dot(a, point), support->against) < 0;
@@ -45,95 +87,182 @@ bool min_norm_violated_by(const struct min_norm *support, struct vec3_i64 point)
     }
 }
 
-/// Holds two points if the nearest point of their chord is strictly between them and not zero.
-static bool hold_two(struct min_norm *support, uint32_t ia, struct vec3_i64 a, uint32_t ib,
-                     struct vec3_i64 b) {
-    const struct vec3_i64 chord = vec3_i64_sub(b, a);
-    const struct i128 at_a = vec3_i64_dot(a, chord), at_b = vec3_i64_dot(b, chord);
-    if (i128_sign(at_a) >= 0 || i128_sign(at_b) <= 0 || is_zero_i128(vec3_i64_cross(a, b))) {
-        return false;
+bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point *point) {
+    if (support->unit) {
+        const struct min_norm_filter filter = min_norm_filter(support);
+        const int64_t depth = min_norm_depth(&filter, point->unit_q30);
+        if (depth > MIN_NORM_BAND || depth < -MIN_NORM_BAND) {
+            return depth < 0;
+        }
     }
-    support->count = 2;
-    support->index[0] = ia;
-    support->index[1] = ib;
-    support->point[0] = a;
-    support->point[1] = b;
-    support->chord = chord;
-    support->chord2 = vec3_i64_dot(chord, chord);
-    support->against = at_a;
-    return true;
+    return violated_exactly(support, point->exact);
 }
 
-/// Holds three points if the foot of the perpendicular from zero to their plane is strictly inside
-/// the triangle and not zero. The foot's barycentric weights are n.(b x c), n.(c x a), n.(a x b),
-/// each below 2^247.
-static bool hold_three(struct min_norm *support, const uint32_t index[3],
-                       const struct vec3_i64 point[3]) {
-    const struct vec3_i128 bc = vec3_i64_cross(point[1], point[2]);
-    const struct vec3_i128 ca = vec3_i64_cross(point[2], point[0]);
-    const struct vec3_i128 ab = vec3_i64_cross(point[0], point[1]);
+// ---------------------------------------------------------------- which subset holds the nearest
+// point
+
+static bool hold_one(struct min_norm *support) {
+    if (support->unit) {
+        return true;
+    }
+    know_exactly(support);
+    return i128_sign(support->against) != 0;
+}
+
+/// Two points hold it if the nearest point of their chord is strictly between them and not zero.
+/// For unit vectors that is so unless they are (nearly) the same or opposite.
+static bool hold_two(struct min_norm *support) {
+    if (support->unit) {
+        const struct vec3 a = support->point[0].unit_q30, b = support->point[1].unit_q30;
+        const struct vec3_i64 chord = vec3_between(a, b), sum = vec3_between(vec3_neg(a), b);
+        if (min_norm_dot(chord, chord) > MIN_NORM_BAND && min_norm_dot(sum, sum) > MIN_NORM_BAND) {
+            return true;
+        }
+    }
+    know_exactly(support);
+    const struct vec3_i64 a = exact_point(support, 0), b = exact_point(support, 1);
+    return i128_sign(support->against) < 0 && i128_sign(vec3_i64_dot(b, support->chord)) > 0 &&
+           !is_zero_i128(vec3_i64_cross(a, b));
+}
+
+/// Sets the plane that the filter uses. Returns whether its side of zero was plain without the
+/// exact plane.
+static bool set_rough_normal(struct min_norm *support) {
+    const struct vec3 a = support->point[0].unit_q30;
+    const struct vec3_i64 b = vec3_between(a, support->point[1].unit_q30),
+                          c = vec3_between(a, support->point[2].unit_q30);
+    struct vec3_i64 n = {b.y * c.z - b.z * c.y, b.z * c.x - b.x * c.z, b.x * c.y - b.y * c.x};
+    const int64_t height = (n.x >> 32) * a.x + (n.y >> 32) * a.y + (n.z >> 32) * a.z;
+    const int side = sure_sign(height);
+    support->side_known = side != 0;
+    support->turned = side < 0;
+    if (side == 0) {
+        know_exactly(support);
+    }
+    if (support->turned) {
+        n = (struct vec3_i64){-n.x, -n.y, -n.z};
+    }
+    support->rough_normal = n;
+    return side != 0;
+}
+
+/// Three points hold it if the foot of the perpendicular from zero to their plane is strictly
+/// inside the triangle and not zero: for unit vectors, if the triangle is acute. Exactly: the
+/// foot's barycentric weights are n.(b x c), n.(c x a), n.(a x b), each below 2^247.
+static bool hold_three(struct min_norm *support) {
+    if (support->unit) {
+        const struct vec3 a = support->point[0].unit_q30, b = support->point[1].unit_q30,
+                          c = support->point[2].unit_q30;
+        const int at_a = sure_angle(a, b, c), at_b = sure_angle(b, c, a),
+                  at_c = sure_angle(c, a, b);
+        if (at_a < 0 || at_b < 0 || at_c < 0) {
+            return false;
+        }
+        if (set_rough_normal(support) && at_a > 0 && at_b > 0 && at_c > 0) {
+            return true;
+        }
+    }
+    const struct vec3_i64 a = exact_point(support, 0), b = exact_point(support, 1),
+                          c = exact_point(support, 2);
+    const struct vec3_i128 bc = vec3_i64_cross(b, c), ca = vec3_i64_cross(c, a),
+                           ab = vec3_i64_cross(a, b);
     const struct vec3_i128 normal = add_i128(add_i128(bc, ca), ab); // (b - a) x (c - a)
     if (dot_sign_i128(normal, bc) <= 0 || dot_sign_i128(normal, ca) <= 0 ||
         dot_sign_i128(normal, ab) <= 0) {
         return false;
     }
-    const int height = i256_sign(vec3_i128_dot(normal, point[0]));
-    if (height == 0) {
-        return false;
-    }
-    support->count = 3;
-    for (unsigned i = 0; i < 3U; i++) {
-        support->index[i] = index[i];
-        support->point[i] = point[i];
-    }
-    support->normal = height > 0 ? normal : negate_i128(normal);
-    return true;
+    // The foot is not zero: strictly positive weights and a plane through zero would put zero
+    // inside.
+    return i256_sign(vec3_i128_dot(normal, a)) != 0;
 }
 
 /// Tries the subset of the `count` points that `mask` names.
-static bool hold_subset(struct min_norm *support, const uint32_t *index,
-                        const struct vec3_i64 *point, unsigned count, unsigned mask) {
-    uint32_t chosen_index[3];
-    struct vec3_i64 chosen[3];
-    unsigned size = 0;
+static bool hold_subset(struct min_norm *support, const struct min_norm_point *points,
+                        unsigned count, unsigned mask) {
+    support->count = 0;
+    support->exact_known = support->side_known = false;
     for (unsigned i = 0; i < count; i++) {
         if ((mask >> i & 1U) != 0U) {
-            chosen_index[size] = index[i];
-            chosen[size++] = point[i];
+            support->point[support->count++] = points[i];
         }
     }
-    bool held = true;
-    if (size == 1U) {
-        hold_one(support, chosen_index[0], chosen[0]);
-        held = i128_sign(support->against) != 0;
-    } else if (size == 2U) {
-        held = hold_two(support, chosen_index[0], chosen[0], chosen_index[1], chosen[1]);
-    } else {
-        held = hold_three(support, chosen_index, chosen);
-    }
+    bool held = support->count == 1U   ? hold_one(support)
+                : support->count == 2U ? hold_two(support)
+                                       : hold_three(support);
     for (unsigned i = 0; held && i < count; i++) {
-        held = (mask >> i & 1U) != 0U || !min_norm_violated_by(support, point[i]);
+        held = (mask >> i & 1U) != 0U || !min_norm_violated_by(support, &points[i]);
     }
     return held;
 }
 
-bool min_norm_enter(struct min_norm *support, uint32_t index, struct vec3_i64 point) {
-    uint32_t indices[4];
-    struct vec3_i64 points[4];
+void min_norm_start(struct min_norm *support, const struct min_norm_point *point, bool unit) {
+    support->unit = unit;
+    support->count = 1;
+    support->point[0] = *point;
+    support->exact_known = support->side_known = false;
+}
+
+/// The subsets that can hold the nearest point once a new point has entered, which is in every one
+/// of them, since it violates the old support: which of the old points are beside it. Pairs first:
+/// they are the cheapest to refuse. Bit k is old point k.
+static const uint8_t beside[] = {1, 2, 4, 3, 5, 6, 0};
+
+/// For unit vectors, in 64 bits: 1 if the pair surely holds, -1 if surely not, 0: can't tell.
+static int pair_holds(const struct min_norm *old, unsigned k, struct vec3 x) {
+    const struct vec3 a = old->point[k].unit_q30;
+    const struct vec3_i64 chord = vec3_between(a, x), sum = vec3_between(vec3_neg(a), x);
+    int verdict =
+        min_norm_dot(chord, chord) > MIN_NORM_BAND && min_norm_dot(sum, sum) > MIN_NORM_BAND;
+    for (unsigned i = 0; i < old->count; i++) {
+        if (i != k) {
+            const struct vec3 y = old->point[i].unit_q30;
+            const int outside = sure_sign(min_norm_dot(vec3_between(a, y), vec3_between(x, y)));
+            if (outside > 0) {
+                return -1;
+            }
+            verdict = outside < 0 ? verdict : 0;
+        }
+    }
+    return verdict;
+}
+
+/// Enters by the 64-bit filters alone, if they can tell: the common case. Only pairs are taken this
+/// way; *mask gets the first subset that they leave open.
+static bool enter_pair(struct min_norm *support, const struct min_norm_point *point,
+                       unsigned *first_open) {
+    for (unsigned k = 0; k < support->count; k++) {
+        const int verdict = pair_holds(support, k, point->unit_q30);
+        if (verdict == 0) {
+            *first_open = k;
+            return false;
+        }
+        if (verdict > 0) {
+            support->point[0] = support->point[k];
+            support->point[1] = *point;
+            support->count = 2;
+            support->exact_known = support->side_known = false;
+            return true;
+        }
+    }
+    *first_open = 3; // all pairs are out
+    return false;
+}
+
+bool min_norm_enter(struct min_norm *support, const struct min_norm_point *point) {
+    unsigned open = 0;
+    if (support->unit && enter_pair(support, point, &open)) {
+        return true;
+    }
+    struct min_norm_point points[4];
     const unsigned old = support->count, count = old + 1U;
     for (unsigned i = 0; i < old; i++) {
-        indices[i] = support->index[i];
         points[i] = support->point[i];
     }
-    indices[old] = index;
-    points[old] = point;
-    // The new point is in every answer, since it violates the old one: subsets of the others beside
-    // it. Pairs first: they are the cheapest to refuse. Bit k of an entry is old point k.
-    static const uint8_t beside[] = {1, 2, 4, 3, 5, 6, 0};
-    struct min_norm candidate = *support;
-    for (unsigned i = 0; i < sizeof beside; i++) {
+    points[old] = *point;
+    struct min_norm candidate = {.unit = support->unit};
+    for (unsigned i = open; i < sizeof beside; i++) {
         if (beside[i] < (1U << old) &&
-            hold_subset(&candidate, indices, points, count, beside[i] | (1U << old))) {
+            hold_subset(&candidate, points, count, beside[i] | (1U << old))) {
             *support = candidate;
             return true;
         }
@@ -141,40 +270,58 @@ bool min_norm_enter(struct min_norm *support, uint32_t index, struct vec3_i64 po
     return false;
 }
 
+// ---------------------------------------------------------------- its direction
+
 struct vec3_i256 {
     struct i256 x, y, z;
 };
 
+static unsigned largest(unsigned a, unsigned b, unsigned c) {
+    const unsigned ab = a > b ? a : b;
+    return ab > c ? ab : c;
+}
+
 /// Scaled by one power of two so that the largest component has 61 bits.
 static struct vec3_i64 scale_to_i64(struct vec3_i256 a) {
-    unsigned bits = i256_bit_length(a.x);
-    const unsigned bits_y = i256_bit_length(a.y), bits_z = i256_bit_length(a.z);
-    bits = bits > bits_y ? bits : bits_y;
-    bits = bits > bits_z ? bits : bits_z;
-    if (bits <= 61U) {
-        return (struct vec3_i64){(int64_t)a.x.word[0], (int64_t)a.y.word[0], (int64_t)a.z.word[0]};
-    }
-    const unsigned shift = bits - 61U;
+    const unsigned bits = largest(i256_bit_length(a.x), i256_bit_length(a.y), i256_bit_length(a.z));
+    const unsigned shift = bits <= 61U ? 0U : bits - 61U;
     return (struct vec3_i64){i256_shift_right_i64(a.x, shift), i256_shift_right_i64(a.y, shift),
                              i256_shift_right_i64(a.z, shift)};
 }
 
-/// a * from_b - b * from_a, one component: the nearest point of the chord, times chord . chord.
+/// a * at_b - b * at_a, one component: the nearest point of the chord, times chord . chord.
 static struct i256 blend(int64_t a, struct i128 at_b, int64_t b, struct i128 at_a) {
     return i256_sub(i256_mul(i128_from_i64(a), at_b), i256_mul(i128_from_i64(b), at_a));
 }
 
-struct vec3_i64 min_norm_direction(const struct min_norm *support) {
-    const struct vec3_i64 a = support->point[0], b = support->point[1];
-    if (support->count == 1U) {
-        return a;
+static struct vec3_i64 chord_direction(struct min_norm *support) {
+    const struct vec3_i64 a = exact_point(support, 0), b = exact_point(support, 1);
+    const struct vec3_i64 sum = {a.x + b.x, a.y + b.y, a.z + b.z};
+    const int64_t large = (int64_t)1 << 50;
+    if (support->unit && (sum.x > large || sum.x < -large || sum.y > large || sum.y < -large ||
+                          sum.z > large || sum.z < -large)) {
+        return sum; // of unit vectors, good to 2^-61 of its length
     }
-    if (support->count == 2U) {
-        const struct i128 at_b = vec3_i64_dot(b, support->chord), at_a = support->against;
-        return scale_to_i64((struct vec3_i256){
-            blend(a.x, at_b, b.x, at_a), blend(a.y, at_b, b.y, at_a), blend(a.z, at_b, b.z, at_a)});
+    know_exactly(support);
+    const struct i128 at_b = vec3_i64_dot(b, support->chord), at_a = support->against;
+    return scale_to_i64((struct vec3_i256){blend(a.x, at_b, b.x, at_a), blend(a.y, at_b, b.y, at_a),
+                                           blend(a.z, at_b, b.z, at_a)});
+}
+
+static struct vec3_i64 plane_direction(struct min_norm *support) {
+    know_exactly(support);
+    const struct vec3_i128 n = support->normal;
+    return scale_to_i64(
+        (struct vec3_i256){i256_from_i128(n.x), i256_from_i128(n.y), i256_from_i128(n.z)});
+}
+
+struct vec3_i64 min_norm_direction(struct min_norm *support) {
+    switch (support->count) {
+    case 1:
+        return exact_point(support, 0);
+    case 2:
+        return chord_direction(support);
+    default:
+        return plane_direction(support);
     }
-    return scale_to_i64((struct vec3_i256){i256_from_i128(support->normal.x),
-                                           i256_from_i128(support->normal.y),
-                                           i256_from_i128(support->normal.z)});
 }

@@ -2,10 +2,12 @@
 ///
 /// For unit vectors that point lies on the axis of their narrowest cone, and the points that hold
 /// it are the cone's support; for vectors of any length it is zero exactly if the viewpoint is in
-/// their hull. One set of exact tests so serves the solver twice: on Q2.61 unit vectors for the
-/// cone, on the raw integers for feasibility. Every decision is the sign of an integer below 2^251.
-/// Source: Gilbert, Johnson, Keerthi 1988 (the subproblem); Wolfe 1976; docs/geometry.md, "The
-/// pivot solver".
+/// their hull. One set of exact tests so serves twice: on Q2.61 unit vectors for the cone, on the
+/// raw integers for feasibility. Every decision is the sign of an integer below 2^251. For unit
+/// vectors most signs are plain from 64-bit products of the same vectors rounded to Q1.30; the wide
+/// integers decide the rest. Source: Gilbert, Johnson, Keerthi 1988 (the subproblem); Wolfe 1976;
+/// docs/geometry.md, "The pivot solver". Shown: tests/property/min_norm.c, and every test of the
+/// cone.
 #ifndef SPHERE_MIN_NORM_H
 #define SPHERE_MIN_NORM_H
 
@@ -15,32 +17,78 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/// A support of one to three points, |component| <= 2^61, whose convex hull's point of least norm
-/// is not zero and lies inside it (all weights positive). What a test of another point needs is
-/// kept.
-struct min_norm {
-    uint8_t count;
-    uint32_t index[3];
-    struct vec3_i64 point[3];
-    struct vec3_i128 normal; // count 3: of the plane through the points, away from zero
-    struct vec3_i64 chord;   // count 2: point[1] - point[0]
-    struct i128 chord2;      // count 2: chord . chord
-    struct i128 against;     // count 1: point . point; count 2: point[0] . chord, negative
+/// A point with its index in the caller's list.
+struct min_norm_point {
+    uint32_t index;
+    struct vec3_i64 exact; ///< |component| <= 2^61
+    struct vec3 unit_q30;  ///< the same in Q1.30, within 1 a component; only for unit vectors
 };
 
-/// One point, not zero.
-void min_norm_start(struct min_norm *support, uint32_t index, struct vec3_i64 point);
+/// A support of one to three points whose convex hull's point of least norm is not zero and lies
+/// inside it (all weights positive).
+struct min_norm {
+    uint8_t count;
+    bool unit; ///< the points are unit vectors, and unit_q30 is set
+    struct min_norm_point point[3];
+    struct vec3_i64
+        rough_normal; ///< count 3, unit: of the plane through unit_q30, Q2.60, away from zero
+    bool exact_known; ///< the exact plane below is worked out
+    struct vec3_i128 normal; ///< count 3: of the plane through the points, away from zero
+    bool turned;             ///< count 3: the cross product of the edges points toward zero
+    bool side_known;         ///< ... as the rough plane tells already
+    struct vec3_i64 chord;   ///< count 2: point[1] - point[0]
+    struct i128 chord2;      ///< count 2: chord . chord
+    struct i128 against;     ///< count 1: point . point; count 2: point[0] . chord, negative
+};
 
-/// Is the point on the near side of the plane through the nearest point, so that it would shorten
-/// the norm? Exact. Cost: one or two 256-bit products.
-bool min_norm_violated_by(const struct min_norm *support, struct vec3_i64 point);
+/// One point, not zero. unit: whether this and all later points are unit vectors.
+void min_norm_start(struct min_norm *support, const struct min_norm_point *point, bool unit);
+
+/// Does the point lie on the near side of the plane through the nearest point, so that it would
+/// shorten the norm? Exact.
+bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point *point);
+
+/// The same in 64 bits, for unit vectors whose length is within 2^-29 of one, in a loop: a point
+/// whose depth is above MIN_NORM_BAND surely does not violate, one below -MIN_NORM_BAND surely
+/// does, and in between only the exact test can tell. The depth falls the farther out a point lies;
+/// depths compare for one filter.
+struct min_norm_filter {
+    bool plane; ///< three points: their plane; else the ball on the chord a b, outside of which
+                ///< unit vectors violate
+    struct vec3 a, b;
+    struct vec3_i64 normal; ///< of the plane, away from zero, at most 2^30
+};
+
+struct min_norm_filter min_norm_filter(const struct min_norm *support);
+
+/// Products of differences of units, of at most 2^31, and of such a difference with the normal are
+/// off by less than this: the points of a support are within 1 unit of the truth, others within 5.
+#define MIN_NORM_BAND ((int64_t)1 << 36)
+
+/// Difference of units.
+static inline struct vec3_i64 vec3_between(struct vec3 from, struct vec3 to) {
+    return (struct vec3_i64){(int64_t)to.x - from.x, (int64_t)to.y - from.y,
+                             (int64_t)to.z - from.z};
+}
+
+/// Of differences of units: at most 2^62, since neither is longer than 2^31.
+static inline int64_t min_norm_dot(struct vec3_i64 a, struct vec3_i64 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline int64_t min_norm_depth(const struct min_norm_filter *filter, struct vec3 unit_q30) {
+    const struct vec3_i64 from_a = vec3_between(filter->a, unit_q30);
+    return filter->plane ? min_norm_dot(filter->normal, from_a)
+                         : -min_norm_dot(from_a, vec3_between(filter->b, unit_q30));
+}
 
 /// Takes in a point that violates; the support becomes that of the hull of both, and its norm gets
-/// smaller. Returns: false, and leaves the support, if zero lies in the hull of the (at most four)
-/// points. Cost:    at most seven subsets, each tried by signs.
-bool min_norm_enter(struct min_norm *support, uint32_t index, struct vec3_i64 point) MUST_CHECK;
+/// smaller.
+/// Returns: false, and leaves the support, if zero lies in the hull of the (at most four) points.
+/// Cost:    at most seven subsets, each tried by signs.
+bool min_norm_enter(struct min_norm *support, const struct min_norm_point *point) MUST_CHECK;
 
 /// A vector along the nearest point, with components below 2^62: within 2^-60 of its direction.
-struct vec3_i64 min_norm_direction(const struct min_norm *support);
+struct vec3_i64 min_norm_direction(struct min_norm *support);
 
 #endif

@@ -100,10 +100,11 @@ static void check_text(const char *text, enum points_input input, struct excess 
     FILE *const stream = messages_input(text, strlen(text));
     CHECK_EQ(points_read_stream(stream, "f", &format, &points), EXIT_STATUS_OK);
     fclose(stream);
-    struct vec3 workspace[POINTS_MOST];
+    int64_t workspace[CONE_WORKSPACE_BYTES(POINTS_MOST) / sizeof(int64_t) + 1U];
     struct cone_result result;
-    if (cone_narrowest(points.directions, points.count, CONE_LENGTHS_ANY, workspace,
-                       sizeof workspace, &result) == CONE_OK) {
+    const struct cone_options options = {.workspace = workspace,
+                                         .workspace_bytes = sizeof workspace};
+    if (cone_narrowest(points.directions, points.count, &options, &result) == CONE_OK) {
         const struct measured_cone cone = measure_cone(result.axis_q30, &points);
         true_angle(scratch[5], result.axis_q30, text, input, viewpoint);
         // As printed, and as a reader takes it who has doubles only.

@@ -71,8 +71,10 @@ static double excess_rad_max, gap_rad_max, recorded_rad_max;
 
 static enum cone_status solve(const struct cone_case *cone, enum cone_lengths lengths,
                               struct cone_result *result) {
-    static struct vec3 workspace[COUNT_MAX];
-    return cone_narrowest(cone->point, cone->count, lengths, workspace, sizeof workspace, result);
+    static int64_t workspace[CONE_WORKSPACE_BYTES(COUNT_MAX) / sizeof(int64_t) + 1U];
+    const struct cone_options options = {
+        .lengths = lengths, .workspace = workspace, .workspace_bytes = sizeof workspace};
+    return cone_narrowest(cone->point, cone->count, &options, result);
 }
 
 static double larger(double a, double b) {

@@ -59,9 +59,14 @@ static bool add_excess(struct tally *tally, double half_angle_rad, double excess
 
 static enum cone_status solve(const struct vec3 *points, uint32_t count, enum cone_lengths lengths,
                               struct cone_result *result) {
-    static struct vec3 workspace[70000];
-    return cone_narrowest(points, count, lengths, workspace,
-                          lengths == CONE_LENGTHS_ANY ? CONE_WORKSPACE_BYTES(count) : 0U, result);
+    static int64_t workspace[CONE_WORKSPACE_BYTES(70000) / sizeof(int64_t) + 1U];
+    // Unit vectors with and without room for notes.
+    const bool room = lengths == CONE_LENGTHS_ANY || count % 2U == 0U;
+    const struct cone_options options = {.lengths = lengths,
+                                         .workspace = workspace,
+                                         .workspace_bytes =
+                                             room ? CONE_WORKSPACE_BYTES(count) : 0U};
+    return cone_narrowest(points, count, &options, result);
 }
 
 // ---------------------------------------------------------------- one small set
@@ -287,8 +292,8 @@ static void a_broken_promise_ends(void) {
         if (i % 7U == 0U) {
             points[below(count)] = vec3(0, 0, 0);
         }
-        const enum cone_status status =
-            cone_narrowest(points, count, CONE_LENGTHS_UNIT, NULL, 0, &result);
+        const struct cone_options options = {.lengths = CONE_LENGTHS_UNIT};
+        const enum cone_status status = cone_narrowest(points, count, &options, &result);
         answers +=
             status == CONE_OK || status == CONE_INFEASIBLE || status == CONE_ERROR_ZERO_VECTOR;
     }
@@ -341,17 +346,16 @@ static void sets_of_65000(void) {
 static void errors_are_named(void) {
     const struct vec3 points[] = {vec3(1, 2, 3), vec3(0, 0, 0), vec3(0, 0, 0)};
     struct cone_result result;
-    struct vec3 workspace[3];
+    int64_t workspace[CONE_WORKSPACE_BYTES(1) / sizeof(int64_t) + 1U];
     CHECK_EQ(solve(points, 0, CONE_LENGTHS_ANY, &result), CONE_EMPTY);
     CHECK_EQ(solve(points, 0, CONE_LENGTHS_UNIT, &result), CONE_EMPTY);
     CHECK_EQ(solve(points, 3, CONE_LENGTHS_ANY, &result), CONE_ERROR_ZERO_VECTOR);
     CHECK_EQ(result.bad_index, 1);
-    CHECK_EQ(cone_narrowest(points, 1, CONE_LENGTHS_ANY, workspace, CONE_WORKSPACE_BYTES(1) - 1U,
-                            &result),
-             CONE_ERROR_WORKSPACE);
-    CHECK_EQ(
-        cone_narrowest(points, 1, CONE_LENGTHS_ANY, workspace, CONE_WORKSPACE_BYTES(1), &result),
-        CONE_OK);
+    struct cone_options options = {.workspace = workspace,
+                                   .workspace_bytes = CONE_WORKSPACE_BYTES(1) - 1U};
+    CHECK_EQ(cone_narrowest(points, 1, &options, &result), CONE_ERROR_WORKSPACE);
+    options.workspace_bytes++;
+    CHECK_EQ(cone_narrowest(points, 1, &options, &result), CONE_OK);
 }
 
 static void print_tallies(const struct tally *tally, const char *const *names, unsigned count) {

@@ -10,12 +10,13 @@
 /// 3 nrad, the accuracy that cone.h claims, in units of 2^-64 turn; and its rounding up.
 #define EXCESS_TURN64_MAX (UINT64_C(8807671509) + (UINT64_C(1) << 14))
 
-static struct vec3 workspace[CONE_VECTOR_POINTS_MAX];
+static int64_t workspace[CONE_WORKSPACE_BYTES(CONE_VECTOR_POINTS_MAX) / sizeof(int64_t) + 1U];
 
 static enum cone_status solve(const struct vec3 *points, uint32_t count,
                               struct cone_result *result) {
-    return cone_narrowest(points, count, CONE_LENGTHS_ANY, workspace, CONE_WORKSPACE_BYTES(count),
-                          result);
+    const struct cone_options options = {.workspace = workspace,
+                                         .workspace_bytes = CONE_WORKSPACE_BYTES(count)};
+    return cone_narrowest(points, count, &options, result);
 }
 
 /// Angle from the axis to a point, 2^64 units a turn; rounded down with the length of the product.
@@ -193,9 +194,9 @@ static void errors(void) {
     CHECK_EQ(solve(points, 0, &result), CONE_EMPTY);
     CHECK_EQ(solve(points, 2, &result), CONE_ERROR_ZERO_VECTOR);
     CHECK_EQ(result.bad_index, 1);
-    CHECK_EQ(cone_narrowest(points, 2, CONE_LENGTHS_ANY, workspace, CONE_WORKSPACE_BYTES(2) - 1U,
-                            &result),
-             CONE_ERROR_WORKSPACE);
+    const struct cone_options options = {.workspace = workspace,
+                                         .workspace_bytes = CONE_WORKSPACE_BYTES(2) - 1U};
+    CHECK_EQ(cone_narrowest(points, 2, &options, &result), CONE_ERROR_WORKSPACE);
 }
 
 int main(void) {
