@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-/// floor(sqrt(value)). Cost: 16 shift-and-subtract steps.
+/// floor(sqrt(value)). Cost: two 32-bit divisions.
 uint32_t root_u32(uint32_t value);
 
 /// floor(sqrt(value)). Cost: root_u32 and one 32-bit division.

@@ -2,6 +2,7 @@
 
 #include "fixed/root.h"
 #include "sphere/cone_answer.h"
+#include "sphere/cone_filter.h"
 #include "sphere/feasible.h"
 #include "sphere/min_norm.h"
 
@@ -38,88 +39,23 @@ struct search {
 
 enum outcome { FOUND, SURROUNDED, OUT_OF_READS };
 
-// ---------------------------------------------------------------- filters
+// ---------------------------------------------------------------- reading points
 
-/// A filter tells with 64-bit arithmetic which points are surely inside the cone of the support;
-/// only the others are worth an exact test. Its measure falls as the angle from the axis grows.
-struct filter {
-    struct vec3 axis_q30;
-    bool narrow;
-    bool decides; // whether points in its band are worth an exact test: not before the narrow one
-                  // is in force
-    unsigned shift;
-    int64_t surely_inside;  // measure at or above
-    int64_t surely_outside; // measure below
-};
-
-/// How far two dot products (Q2.60) of points on one circle can be apart. Each unit's length is
-/// good to 2^-29 and its direction to 2^-30; the axis is good to 2^-30: together below 2^-27.4.
-#define DOT_BAND ((int64_t)1 << 33)
-
-/// Below this sine (Q2.60) of the half-angle, 2^-8, the band of dot products is too wide beside 1 -
-/// cos.
-#define NARROW_SINE_Q60 (UINT64_C(1) << 52)
-
-/// The wide filter: the dot product with the axis, Q2.60.
-static inline int64_t measure_wide(const struct filter *filter, struct vec3 unit) {
-    return vec3_dot_unit(filter->axis_q30, unit);
-}
-
-/// The narrow filter: minus the squared cross product with the axis, scaled so that the circle lies
-/// near 2^57. Unlike the cosine, a small sine is not drowned by the rounding of the lengths. Only
-/// right for points ahead.
-static inline int64_t measure_narrow(const struct filter *filter, struct vec3 unit) {
-    const struct vec3_i64 cross = vec3_cross(filter->axis_q30, unit);
-    const int64_t x = cross.x >> filter->shift, y = cross.y >> filter->shift,
-                  z = cross.z >> filter->shift;
-    const int64_t far = (int64_t)1 << 30;
-    if (x >= far || x < -far || y >= far || y < -far || z >= far || z < -far) {
-        return INT64_MIN;
-    }
-    return -(x * x + y * y + z * z);
-}
-
-static int64_t square(uint64_t a) {
-    return (int64_t)(a * a);
-}
-
-/// The filter that fits the support's cone: wide, or narrow once every point is known to be ahead.
-static struct filter make_filter(const struct search *search) {
-    const struct vec3 on_circle = search->units[search->support.point[0].index];
-    struct filter filter = {.axis_q30 = search->axis_q30};
-    const int64_t dot = measure_wide(&filter, on_circle);
-    const uint64_t sine_q60 = vec3_i64_length(vec3_cross(search->axis_q30, on_circle));
-    const bool is_narrow = dot > 0 && sine_q60 < NARROW_SINE_Q60;
-    filter.narrow = is_narrow && search->all_ahead;
-    filter.decides = filter.narrow == is_narrow;
-    if (!filter.narrow) {
-        filter.surely_inside = dot + DOT_BAND;
-        filter.surely_outside = dot - DOT_BAND;
-        return filter;
-    }
-    // Directions are good to 2^-30 twice, lengths to 2^-29 twice; the truncated shift costs 2
-    // units.
-    const uint64_t margin = (UINT64_C(1) << 32) + (sine_q60 >> 25);
-    const uint64_t low = sine_q60 > margin ? sine_q60 - margin : 0U, high = sine_q60 + margin;
-    while ((high >> filter.shift) >= (UINT64_C(1) << 29)) {
-        filter.shift++;
-    }
-    const uint64_t inside = low >> filter.shift, outside = (high >> filter.shift) + 3U;
-    filter.surely_inside = inside > 2U ? -square(inside - 2U) : 1; // 1: nothing is
-    filter.surely_outside = -square(outside);
-    return filter;
+static struct cone_filter make_filter(const struct search *search) {
+    return cone_filter(search->axis_q30, search->units[search->support.point[0].index],
+                       search->all_ahead);
 }
 
 /// The least measure of the points from, from + stride, ... below `end`. This loop reads every
 /// point; all else happens rarely.
-static int64_t least_measure(struct search *search, const struct filter *filter, uint32_t from,
+static int64_t least_measure(struct search *search, const struct cone_filter *filter, uint32_t from,
                              uint32_t end, uint32_t stride) {
     const struct vec3 *unit = search->units + from, *last = search->units + end;
     int64_t least = INT64_MAX;
     search->point_reads += stride == 1U ? end - from : (end - from + stride - 1U) / stride;
     if (filter->narrow) {
         for (; unit < last; unit += stride) {
-            const int64_t measure = measure_narrow(filter, *unit);
+            const int64_t measure = cone_measure_narrow(filter, *unit);
             least = measure < least ? measure : least;
         }
         return least;
@@ -132,14 +68,17 @@ static int64_t least_measure(struct search *search, const struct filter *filter,
     return least;
 }
 
-static int64_t measure(const struct filter *filter, struct vec3 unit) {
-    return filter->narrow ? measure_narrow(filter, unit) : measure_wide(filter, unit);
-}
-
 // ---------------------------------------------------------------- pivoting
 
+/// A point as it may enter the support. There its unit vector must be one, or supports could come
+/// twice: a broken promise about the lengths is mended here.
 static struct min_norm_point point_of(const struct search *search, uint32_t index) {
-    return cone_point(search->points, index);
+    const struct vec3 unit = search->units[index];
+    const uint64_t near = UINT64_C(1) << 32;
+    const bool kept = vec3_norm2(unit) - ((UINT64_C(1) << 60) - near) <= 2U * near;
+    return (struct min_norm_point){.index = index,
+                                   .given = search->points[index],
+                                   .unit_q30 = kept ? unit : vec3_normalise(unit)};
 }
 
 static bool is_in_support(const struct search *search, uint32_t index) {
@@ -177,13 +116,13 @@ static void turn_axis(struct search *search) {
 }
 
 /// The point of a block that is farthest out of those that violate; NO_POINT if none does.
-static uint32_t worst_of_block(struct search *search, const struct filter *filter, uint32_t from,
-                               uint32_t end, uint32_t stride) {
+static uint32_t worst_of_block(struct search *search, const struct cone_filter *filter,
+                               uint32_t from, uint32_t end, uint32_t stride) {
     int64_t limit = filter->decides ? filter->surely_inside : filter->surely_outside;
     uint32_t worst = NO_POINT;
     search->point_reads += (end - from + stride - 1U) / stride;
     for (uint32_t i = from; i < end; i += stride) {
-        const int64_t of_point = measure(filter, search->units[i]);
+        const int64_t of_point = cone_measure(filter, search->units[i]);
         if (of_point < limit && (of_point < filter->surely_outside || violates(search, i))) {
             worst = i;
             limit = of_point;
@@ -209,8 +148,9 @@ static bool choose(struct search *search, uint32_t worst, uint32_t from, uint32_
 }
 
 /// Pivots until no point of the block violates.
-static enum outcome settle_block(struct search *search, struct filter *filter, struct block *block,
-                                 uint32_t from, uint32_t end, uint32_t stride) {
+static enum outcome settle_block(struct search *search, struct cone_filter *filter,
+                                 struct block *block, uint32_t from, uint32_t end,
+                                 uint32_t stride) {
     for (;;) {
         block->least = least_measure(search, filter, from, end, stride);
         block->axis_q30 = search->axis_q30;
@@ -247,7 +187,7 @@ static bool may_be_below(const struct search *search, const struct block *block,
     return x * x + y * y + z * z >= slack_q30 * slack_q30; // both below 2^63: |axes| are 2^30
 }
 
-static bool is_doubtful(const struct search *search, const struct filter *filter,
+static bool is_doubtful(const struct search *search, const struct cone_filter *filter,
                         const struct block *block) {
     if (block->pivots == search->pivots) {
         return false; // settled with this very support
@@ -269,6 +209,7 @@ static void cut_blocks(struct search *search, uint32_t stride) {
     uint32_t per_block = root_u32(search->count) / 4U;
     per_block = per_block < CONE_BLOCK_POINTS ? CONE_BLOCK_POINTS : per_block;
     per_block = per_block > 64U ? 64U : per_block;
+    per_block = stride > 1U ? 4U : per_block;
     const uint32_t least = (members - 1U) / search->block_room + 1U;
     per_block = per_block < least ? least : per_block;
     search->block_step = per_block * stride;
@@ -281,7 +222,7 @@ static void cut_blocks(struct search *search, uint32_t stride) {
 /// support's nearest point, so no support comes twice and the loop ends.
 static enum outcome sweep(struct search *search, uint32_t stride) {
     cut_blocks(search, stride);
-    struct filter filter = make_filter(search);
+    struct cone_filter filter = make_filter(search);
     for (bool doubtful = true; doubtful;) {
         doubtful = false;
         for (uint32_t from = 0, b = 0; from < search->count; from += search->block_step, b++) {
@@ -300,22 +241,35 @@ static enum outcome sweep(struct search *search, uint32_t stride) {
     return FOUND;
 }
 
+/// The point of least depth of those that violate the support; NO_POINT if none does. `plane` is a
+/// constant at each call, so that the loop is compiled for it.
+static inline uint32_t worst_of_few(struct search *search, struct min_norm_filter filter,
+                                    bool plane) {
+    int64_t limit = MIN_NORM_BAND;
+    uint32_t worst = NO_POINT;
+    filter.plane = plane;
+    search->point_reads += search->count;
+    for (uint32_t i = 0; i < search->count; i++) {
+        const int64_t depth = min_norm_depth(&filter, search->units[i]);
+        if (depth < limit && (depth < -MIN_NORM_BAND || violates(search, i))) {
+            worst = i;
+            limit = depth;
+        }
+    }
+    return worst;
+}
+
+/// Up to so many points it is cheaper to read all of them at each pivot than to work out an axis
+/// there: half the instructions at 100 points, as many at 400.
+#define FEW_POINTS 256U
+
 /// Few points: the 64-bit filters of the support itself decide nearly all, and the axis is worked
 /// out once, at the end.
 static enum outcome pivot_few(struct search *search) {
     for (;;) {
-        uint32_t worst = NO_POINT;
-        int64_t least = INT64_MAX;
-        search->point_reads += search->count;
         const struct min_norm_filter filter = min_norm_filter(&search->support);
-        for (uint32_t i = 0; i < search->count; i++) {
-            const int64_t depth = min_norm_depth(&filter, search->units[i]);
-            if (depth <= MIN_NORM_BAND && depth < least &&
-                (depth < -MIN_NORM_BAND || violates(search, i))) {
-                worst = i;
-                least = depth;
-            }
-        }
+        const uint32_t worst =
+            filter.plane ? worst_of_few(search, filter, true) : worst_of_few(search, filter, false);
         struct min_norm_point point;
         if (!choose(search, worst, 0, search->count, 1, &point)) {
             turn_axis(search);
@@ -337,8 +291,6 @@ static uint32_t sample_stride(uint32_t count) {
     return count < 256U ? 1U : count / (2U * root_u32(count));
 }
 
-#define FEW_POINTS 48U
-
 static enum outcome pivot_many(struct search *search) {
     turn_axis(search);
     const uint32_t stride = search->support.count > 1U ? 1U : sample_stride(search->count);
@@ -347,7 +299,7 @@ static enum outcome pivot_many(struct search *search) {
         outcome = sweep(search, 1);
     }
     // Narrow cones: only now is every point known to be ahead, and the finer filter right.
-    const struct filter filter = make_filter(search);
+    const struct cone_filter filter = make_filter(search);
     if (outcome == FOUND && !filter.decides) {
         search->all_ahead = true;
         outcome = sweep(search, 1);
@@ -385,10 +337,25 @@ static enum cone_status settle_feasibility(struct search *search, bool surrounde
     return CONE_OK;
 }
 
+/// Of few points, those well inside the support's plane can't be farthest: the band is wider than
+/// what rounding the axis does.
+static uint32_t farthest_of_few(struct search *search) {
+    const struct min_norm_filter inside = min_norm_filter(&search->support);
+    uint32_t farthest = search->support.point[0].index;
+    search->point_reads += search->count;
+    for (uint32_t i = 0; i < search->count; i++) {
+        if (min_norm_depth(&inside, search->units[i]) <= MIN_NORM_BAND && i != farthest &&
+            cone_is_farther(search->axis_q30, search->points[i], search->points[farthest])) {
+            farthest = i;
+        }
+    }
+    return farthest;
+}
+
 /// A point at the largest true angle from the axis as printed. Only blocks that may reach the
 /// circle are read again.
 static uint32_t find_farthest(struct search *search) {
-    const struct filter filter = make_filter(search);
+    const struct cone_filter filter = make_filter(search);
     uint32_t farthest = search->support.point[0].index;
     for (uint32_t from = 0, b = 0; from < search->count; from += search->block_step, b++) {
         const struct block *block = &search->blocks[b];
@@ -398,7 +365,7 @@ static uint32_t find_farthest(struct search *search) {
         const uint32_t end = block_end(search, from);
         search->point_reads += end - from;
         for (uint32_t i = from; i < end; i++) {
-            if (measure(&filter, search->units[i]) < filter.surely_inside &&
+            if (cone_measure(&filter, search->units[i]) < filter.surely_inside &&
                 cone_is_farther(search->axis_q30, search->points[i], search->points[farthest])) {
                 farthest = i;
             }
@@ -477,7 +444,8 @@ enum cone_status cone_narrowest(const struct vec3 *points, uint32_t count,
         status = settle_feasibility(&search, outcome == SURROUNDED, result);
     }
     if (status == CONE_OK) {
-        const uint32_t farthest = find_farthest(&search);
+        const uint32_t farthest =
+            count <= FEW_POINTS ? farthest_of_few(&search) : find_farthest(&search);
         cone_report(points, search.axis_q30, &search.support, farthest, result);
     }
     result->point_reads = search.point_reads;

@@ -54,11 +54,8 @@ uint64_t cone_angle_rounded_up(struct vec3 axis_q30, struct vec3 point) {
 }
 
 struct min_norm_point cone_point(const struct vec3 *points, uint32_t index) {
-    struct min_norm_point point = {.index = index, .exact = vec3_normalise_q61(points[index])};
-    point.unit_q30 = vec3((int32_t)round_shift_i64(point.exact.x, 31),
-                          (int32_t)round_shift_i64(point.exact.y, 31),
-                          (int32_t)round_shift_i64(point.exact.z, 31));
-    return point;
+    return (struct min_norm_point){
+        .index = index, .given = points[index], .unit_q30 = vec3_normalise(points[index])};
 }
 
 void cone_report(const struct vec3 *points, struct vec3 axis_q30, const struct min_norm *support,

@@ -16,7 +16,7 @@ bool cone_is_farther(struct vec3 axis_q30, struct vec3 a, struct vec3 b);
 /// large.
 uint64_t cone_angle_rounded_up(struct vec3 axis_q30, struct vec3 point);
 
-/// A point of a list as the solvers take it: normalised to Q2.61 and to Q1.30.
+/// A point of a list as the solvers take it.
 struct min_norm_point cone_point(const struct vec3 *points, uint32_t index);
 
 /// Fills axis, half-angle and support; the caller knows the farthest point.

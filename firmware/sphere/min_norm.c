@@ -46,12 +46,20 @@ static struct vec3_i64 exact_point(const struct min_norm *support, unsigned i) {
     return support->point[i].exact;
 }
 
+/// Normalises what the filters did without so far.
+static void know_points(struct min_norm *support) {
+    for (unsigned i = 0; support->unit && i < support->count; i++) {
+        support->point[i].exact = vec3_normalise_q61(support->point[i].given);
+    }
+}
+
 /// Works out what the exact tests of the support need.
 static void know_exactly(struct min_norm *support) {
     if (support->exact_known) {
         return;
     }
     support->exact_known = true;
+    know_points(support);
     const struct vec3_i64 a = exact_point(support, 0);
     if (support->count == 1U) {
         support->against = vec3_i64_dot(a, a);
@@ -95,7 +103,8 @@ bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point 
             return depth < 0;
         }
     }
-    return violated_exactly(support, point->exact);
+    return violated_exactly(support,
+                            support->unit ? vec3_normalise_q61(point->given) : point->exact);
 }
 
 // ---------------------------------------------------------------- which subset holds the nearest
@@ -162,6 +171,7 @@ static bool hold_three(struct min_norm *support) {
             return true;
         }
     }
+    know_exactly(support);
     const struct vec3_i64 a = exact_point(support, 0), b = exact_point(support, 1),
                           c = exact_point(support, 2);
     const struct vec3_i128 bc = vec3_i64_cross(b, c), ca = vec3_i64_cross(c, a),
@@ -295,6 +305,9 @@ static struct i256 blend(int64_t a, struct i128 at_b, int64_t b, struct i128 at_
 }
 
 static struct vec3_i64 chord_direction(struct min_norm *support) {
+    if (!support->exact_known) {
+        know_points(support);
+    }
     const struct vec3_i64 a = exact_point(support, 0), b = exact_point(support, 1);
     const struct vec3_i64 sum = {a.x + b.x, a.y + b.y, a.z + b.z};
     const int64_t large = (int64_t)1 << 50;
@@ -318,6 +331,7 @@ static struct vec3_i64 plane_direction(struct min_norm *support) {
 struct vec3_i64 min_norm_direction(struct min_norm *support) {
     switch (support->count) {
     case 1:
+        know_exactly(support);
         return exact_point(support, 0);
     case 2:
         return chord_direction(support);

@@ -20,16 +20,18 @@
 /// A point with its index in the caller's list.
 struct min_norm_point {
     uint32_t index;
-    struct vec3_i64 exact; ///< |component| <= 2^61
-    struct vec3 unit_q30;  ///< the same in Q1.30, within 1 a component; only for unit vectors
+    struct vec3
+        given; ///< unit: any int32 vector; its direction, normalised to Q2.61, is the exact point
+    struct vec3 unit_q30;  ///< unit: the same in Q1.30, its length within 2^-29 of one
+    struct vec3_i64 exact; ///< not unit: the exact point, |component| <= 2^61
 };
 
 /// A support of one to three points whose convex hull's point of least norm is not zero and lies
 /// inside it (all weights positive).
 struct min_norm {
     uint8_t count;
-    bool unit; ///< the points are unit vectors, and unit_q30 is set
-    struct min_norm_point point[3];
+    bool unit;                      ///< the points are unit vectors
+    struct min_norm_point point[3]; ///< with their exact vectors once exact_known
     struct vec3_i64
         rough_normal; ///< count 3, unit: of the plane through unit_q30, Q2.60, away from zero
     bool exact_known; ///< the exact plane below is worked out

@@ -172,14 +172,14 @@ static void check_set(const struct min_norm_point *points, unsigned count, bool 
     struct vec3_i64 all[POINTS], held[3];
     struct min_norm support;
     for (unsigned i = 0; i < count; i++) {
-        all[i] = points[i].exact;
+        all[i] = unit ? vec3_normalise_q61(points[i].given) : points[i].exact;
     }
     if (!pivot(&support, points, count, unit)) {
         CHECK(!has_support(all, count));
         return;
     }
     for (unsigned i = 0; i < support.count; i++) {
-        held[i] = support.point[i].exact;
+        held[i] = all[support.point[i].index];
     }
     CHECK(is_support(all, count, held, support.count));
 }
@@ -255,8 +255,10 @@ static void the_filter_is_never_wrong(void) {
         if (depth > MIN_NORM_BAND || depth < -MIN_NORM_BAND) {
             decided++;
             struct min_norm exact = support;
-            exact.unit = false; // the exact test only
+            (void)min_norm_direction(&exact); // so that the exact vectors are known
+            exact.unit = false;               // the exact test only
             exact.exact_known = false;
+            points[3].exact = vec3_normalise_q61(points[3].given);
             CHECK_EQ(min_norm_violated_by(&exact, &points[3]), depth < 0);
         } else {
             open++;
