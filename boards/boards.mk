@@ -12,7 +12,7 @@ endif
 
 board_cc := arm-none-eabi-gcc
 # Paths in the debug information are relative, so that two folders give the same bytes.
-board_flags := $(arm_flags) -Ihal -fno-common -ffile-prefix-map=$(CURDIR)=.
+board_flags := $(arm_flags) -Ihal -Iboards -fno-common -ffile-prefix-map=$(CURDIR)=.
 board_link := -mthumb -nostdlib -nostartfiles -Lboards \
     -Wl,--gc-sections,--build-id=none,--fatal-warnings,--no-undefined
 

@@ -86,12 +86,9 @@ void rig_write_c(const struct rig *rig, const char *path, FILE *stream) {
     const struct controller_config *config = &rig->controller;
     fprintf(stream,
             "// Made by `boresight config c` from %s: change that, not this.\n"
-            "#include \"control/controller.h\"\n\n"
-            "extern const struct controller_config rig;\n"
-            "extern const char rig_name[];\n\n"
-            "const char rig_name[] = \"%s\";\n\n"
-            "const struct controller_config rig = {\n",
-            file_name(path), file_name(path));
+            "#include \"compiled_rig.h\"\n\n"
+            "const struct controller_config compiled_rig = {\n",
+            file_name(path));
     fprintf(stream,
             "    .tick_us = %" PRIu32 "U,\n"
             "    .position_um = {INT64_C(%" PRId64 "), INT64_C(%" PRId64 "), INT64_C(%" PRId64

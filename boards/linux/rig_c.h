@@ -4,8 +4,8 @@
 
 #include "rig.h"
 
-/// Writes `const struct controller_config rig` with the settings of a rig that was read from path.
-/// The same file gives the same text everywhere.
+/// Writes `compiled_rig` (boards/compiled_rig.h) with the settings of a rig that was read from
+/// path. The same file gives the same text everywhere.
 void rig_write_c(const struct rig *rig, const char *path, FILE *stream);
 
 #endif
