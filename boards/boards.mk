@@ -91,3 +91,8 @@ debug: need-firmware ## Open gdb on the board (BOARD=x) through openocd
 stack: need-firmware ## Print the deepest chain of calls of BOARD=x, and the stack that it takes
 	@$(MAKE) --no-print-directory $($(BOARD)_files)
 	tests/gate/check/callgraph.sh $(B)/boards/$(BOARD)/boresight.elf
+
+# For the gate that plants a difference (tests/gate/reproducible.sh).
+.PHONY: print-board-flags
+print-board-flags:
+	@echo '$(board_flags)'

@@ -42,11 +42,11 @@ static enum hal_status serial_state(void *ctx, struct hal_serial_state *state) {
     return HAL_OK;
 }
 
-static const struct hal_serial_ops stm32f4_usart_ops = {serial_write, serial_read, serial_state};
+static const struct hal_serial_ops stm32f4_usart_serial_ops = {serial_write, serial_read, serial_state};
 
 void stm32f4_usart_init(struct stm32f4_usart *usart, struct stm32f4_usart_block *block,
                         enum stm32f4_irq irq, uint32_t bus_hz, uint32_t baud) {
-    usart->hal = (struct hal_serial){&stm32f4_usart_ops, usart};
+    usart->hal = (struct hal_serial){&stm32f4_usart_serial_ops, usart};
     usart->block = block;
     usart->irq = irq;
     usart->received = usart->sending = (struct cortexm_ring){0, 0};
