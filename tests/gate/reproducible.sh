@@ -24,7 +24,7 @@ same() {
 build
 same
 verdict "$board: the same image, built in another folder" $?
-rm "$copy"/build/boards/$board/obj/firmware/app/pump.o
+rm "$copy"/build/boards/$board/obj/firmware/app/pump.o "$copy"/build/boards/$board/boresight.*
 build board_flags="$(make -s --no-print-directory print-board-flags | sed 's/ -ffile-prefix-map=[^ ]*//')"
 same 2>/dev/null
 caught 'a folder that gets into the image' $?
