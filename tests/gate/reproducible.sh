@@ -26,7 +26,7 @@ same
 verdict "$board: the same image, built in another folder" $?
 rm "$copy"/build/boards/$board/obj/firmware/app/pump.o "$copy"/build/boards/$board/boresight.*
 build board_flags="$(make -s --no-print-directory print-board-flags | sed 's/ -ffile-prefix-map=[^ ]*//')"
-same 2>/dev/null
+same >/dev/null 2>&1
 caught 'a folder that gets into the image' $?
 rm -r "$dir"
 exit $status
