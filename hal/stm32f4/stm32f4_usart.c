@@ -42,7 +42,8 @@ static enum hal_status serial_state(void *ctx, struct hal_serial_state *state) {
     return HAL_OK;
 }
 
-static const struct hal_serial_ops stm32f4_usart_serial_ops = {serial_write, serial_read, serial_state};
+static const struct hal_serial_ops stm32f4_usart_serial_ops = {serial_write, serial_read,
+                                                               serial_state};
 
 void stm32f4_usart_init(struct stm32f4_usart *usart, struct stm32f4_usart_block *block,
                         enum stm32f4_irq irq, uint32_t bus_hz, uint32_t baud) {
