@@ -46,6 +46,6 @@ bool cortexm_crash_take(struct cortexm_crash *crash) {
 
 const char *cortexm_crash_name(uint32_t exception) {
     return exception == 2U   ? "non-maskable interrupt"
-           : exception < 16U ? "hard fault"
+           : exception <= 6U ? "hard fault"
                              : "unexpected interrupt";
 }
