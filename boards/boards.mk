@@ -45,9 +45,10 @@ $(B)/boards/$(1)/%/rig.c: host-sim/rigs/%.ini $(B)/boresight FORCE
 	@mkdir -p $$(@D)
 	$$(call write_rig,$$<,$$@)
 $(B)/boards/$(1)/%rig.o: $(B)/boards/$(1)/%rig.c
-	$(board_cc) $(board_flags) -mcpu=$($(1)_cpu) -c $$< -o $$@
+	$(board_cc) $(board_flags) -mcpu=$($(1)_cpu) -MMD -MP -c $$< -o $$@
 $(B)/boards/$(1)/rig.o: $(B)/boards/$(1)/rig.c
-	$(board_cc) $(board_flags) -mcpu=$($(1)_cpu) -c $$< -o $$@
+	$(board_cc) $(board_flags) -mcpu=$($(1)_cpu) -MMD -MP -c $$< -o $$@
+-include $(wildcard $(B)/boards/$(1)/rig.d $(B)/boards/$(1)/*/rig.d)
 
 $(B)/boards/$(1)/boresight.elf: $(B)/boards/$(1)/rig.o $$($(1)_o) boards/$(1)/board.ld boards/sections.ld
 	$$(say) LD $$@

@@ -55,7 +55,9 @@ static void note_crash(void) {
     struct text text;
     text_begin(&text, crash_note, sizeof crash_note - 1U);
     text_string(&text, "last run: ");
-    text_string(&text, cortexm_crash_name(crash.exception));
+    // The only non-maskable interrupt of this chip is that of its clock monitor (RM0090 7.2.7).
+    text_string(&text, crash.exception == 2U ? "the crystal stopped, exception"
+                                             : cortexm_crash_name(crash.exception));
     text_string(&text, " ");
     text_unsigned(&text, crash.exception, 0);
     text_string(&text, " at ");

@@ -96,6 +96,7 @@ static void write_line(struct board_console *console, const struct pump *pump,
         console->seconds++;
         write_status(console, pump, status, &text);
         status->busy_us_max = 0;
+        status->can = (struct hal_can_state){.health = HAL_CAN_ACTIVE};
     }
     console->line[text.size_bytes] = '\r';
     console->line[text.size_bytes + 1U] = '\n';

@@ -99,10 +99,23 @@ static void control(struct board_loop *loop) {
     }
 }
 
+/// A bus that is off and back again within a second must not look healthy on the console.
+static void look_at_bus(struct board_loop *loop) {
+    struct hal_can_state state, *worst = &loop->status.can;
+    if (hal_can_state(loop->devices.pump.can, &state) != HAL_OK) {
+        state = (struct hal_can_state){.health = HAL_CAN_OFF};
+    }
+    if (state.health > worst->health ||
+        (state.health == worst->health &&
+         (state.transmit_error_count > worst->transmit_error_count ||
+          state.receive_error_count > worst->receive_error_count))) {
+        *worst = state;
+    }
+}
+
 static void talk(struct board_loop *loop) {
-    if (loop->devices.pump.can != NULL &&
-        hal_can_state(loop->devices.pump.can, &loop->status.can) != HAL_OK) {
-        loop->status.can.health = HAL_CAN_OFF;
+    if (loop->devices.pump.can != NULL) {
+        look_at_bus(loop);
     }
     board_console_poll(&loop->console, &loop->pump, &loop->status);
     loop->checked_in |= BOARD_TASK_CONSOLE;

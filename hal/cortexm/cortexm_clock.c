@@ -29,7 +29,7 @@ static uint32_t now_us(void *ctx) {
 static const struct hal_clock_ops cortexm_clock_ops = {now_us};
 
 void cortexm_clock_start(struct cortexm_clock *clock, uint32_t core_hz, uint32_t tick_us) {
-    clock->hal = (struct hal_clock){&cortexm_clock_ops, clock};
+    (void)!hal_clock_bind(&clock->hal, &cortexm_clock_ops, clock);
     clock->ticks = 0;
     clock->tick_us = tick_us;
     clock->cycles_per_us = core_hz / 1000000U;

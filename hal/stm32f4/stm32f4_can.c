@@ -258,7 +258,7 @@ static const struct hal_can_ops stm32f4_can_ops = {can_send, can_receive, can_st
                                                    can_set_filters, can_restart};
 
 void stm32f4_can_init(struct stm32f4_can *can, const struct cortexm_clock *clock) {
-    can->hal = (struct hal_can){&stm32f4_can_ops, can};
+    (void)!hal_can_bind(&can->hal, &stm32f4_can_ops, can);
     can->clock = clock;
     can->started = can->restarting = can->drop = false;
     can->received = can->sending = (struct cortexm_ring){0, 0};

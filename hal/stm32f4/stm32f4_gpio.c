@@ -50,7 +50,10 @@ static const struct hal_gpio_ops stm32f4_gpio_ops = {gpio_read, gpio_write};
 
 void stm32f4_gpio_init(struct stm32f4_gpio *gpio, const struct hal_gpio_line *lines,
                        const struct stm32f4_pin *pins, uint32_t line_count) {
-    *gpio = (struct stm32f4_gpio){{&stm32f4_gpio_ops, gpio}, lines, pins, line_count};
+    (void)!hal_gpio_bind(&gpio->hal, &stm32f4_gpio_ops, gpio);
+    gpio->lines = lines;
+    gpio->pins = pins;
+    gpio->line_count = line_count;
     for (uint32_t line = 0; line < line_count; line++) {
         stm32f4_clocks_enable(STM32F4_GPIO_PORT(pins[line].port));
         const bool output = lines[line].direction == HAL_GPIO_OUTPUT;

@@ -74,7 +74,9 @@ static void start_timer(struct stm32f4_timer *timer, uint32_t timer_hz) {
 
 void stm32f4_pwm_init(struct stm32f4_pwm *pwm, const struct stm32f4_pwm_channel *channels,
                       uint32_t channel_count, uint32_t timer_hz) {
-    *pwm = (struct stm32f4_pwm){{&stm32f4_pwm_ops, pwm}, channels, channel_count};
+    (void)!hal_pwm_bind(&pwm->hal, &stm32f4_pwm_ops, pwm);
+    pwm->channels = channels;
+    pwm->channel_count = channel_count;
     for (uint32_t i = 0; i < channel_count; i++) {
         start_timer(channels[i].timer, timer_hz);
     }

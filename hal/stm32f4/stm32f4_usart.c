@@ -47,7 +47,7 @@ static const struct hal_serial_ops stm32f4_usart_serial_ops = {serial_write, ser
 
 void stm32f4_usart_init(struct stm32f4_usart *usart, struct stm32f4_usart_block *block,
                         enum stm32f4_irq irq, uint32_t bus_hz, uint32_t baud) {
-    usart->hal = (struct hal_serial){&stm32f4_usart_serial_ops, usart};
+    (void)!hal_serial_bind(&usart->hal, &stm32f4_usart_serial_ops, usart);
     usart->block = block;
     usart->irq = irq;
     usart->received = usart->sending = (struct cortexm_ring){0, 0};

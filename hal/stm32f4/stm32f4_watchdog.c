@@ -75,7 +75,8 @@ static enum hal_reset_cause cause_of(uint32_t csr) {
 }
 
 void stm32f4_watchdog_init(struct stm32f4_watchdog *watchdog) {
-    *watchdog = (struct stm32f4_watchdog){.hal = {&stm32f4_watchdog_ops, watchdog},
-                                          .cause = cause_of(STM32F4_RCC->csr)};
+    (void)!hal_watchdog_bind(&watchdog->hal, &stm32f4_watchdog_ops, watchdog);
+    watchdog->started = false;
+    watchdog->cause = cause_of(STM32F4_RCC->csr);
     STM32F4_RCC->csr |= STM32F4_RCC_CSR_RMVF;
 }

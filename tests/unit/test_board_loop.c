@@ -17,6 +17,7 @@ static struct {
     uint32_t timeout_us, feeds;
     struct hal_can_filter filter[HAL_CAN_FILTERS_MAX];
     uint32_t filter_count;
+    struct hal_can_state bus;
     uint32_t room; ///< of the serial line, bytes a tick
     char said[SAID_MAX];
     uint32_t said_count;
@@ -99,7 +100,7 @@ static enum hal_status can_receive(void *ctx, struct can_frame *frame, uint32_t 
 
 static enum hal_status can_state(void *ctx, struct hal_can_state *state) {
     (void)ctx;
-    *state = (struct hal_can_state){HAL_CAN_PASSIVE, 128, 7, 0};
+    *state = world.bus;
     return HAL_OK;
 }
 
@@ -348,6 +349,7 @@ static void tells_who_it_is(void) {
     configure();
     devices.pump.can = &can;
     world.cause = HAL_RESET_BROWN_OUT;
+    world.bus = (struct hal_can_state){HAL_CAN_PASSIVE, 128, 7, 0};
     start();
     ticks(10);
     CHECK(says("boresight ") && says(build_id) && says("\r\nboard: test\r\nreset: brown-out\r\n"));
@@ -356,6 +358,21 @@ static void tells_who_it_is(void) {
     world.active[KEY] = true;
     ticks(1000);
     CHECK(says("held: key switch off\r\n"));
+}
+
+/// A bus that was off for a moment is told; the line after that is about the present again.
+static void tells_the_worst_of_the_bus(void) {
+    configure();
+    devices.pump.can = &can;
+    start();
+    ticks(1500);
+    CHECK(says(" 1 s  holding  pan    0.00  tilt    0.00  targets 0  can active 0/0"));
+    world.bus = (struct hal_can_state){HAL_CAN_OFF, 256, 0, 0};
+    ticks(1);
+    world.bus = (struct hal_can_state){HAL_CAN_ACTIVE, 3, 0, 0};
+    ticks(1800);
+    CHECK(says(" 2 s  holding  pan    0.00  tilt    0.00  targets 0  can off 256/0"));
+    CHECK(says(" 3 s  holding  pan    0.00  tilt    0.00  targets 0  can active 3/0"));
 }
 
 /// A line that takes a byte a tick gets every line whole, and the loop goes on.
@@ -391,6 +408,7 @@ int main(void) {
     TEST(feeds_only_when_all_have_checked_in);
     TEST(listens_to_its_drives_only);
     TEST(tells_who_it_is);
+    TEST(tells_the_worst_of_the_bus);
     TEST(slow_line);
     TEST(dead_line);
     return check_finish();
