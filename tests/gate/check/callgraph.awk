@@ -36,7 +36,7 @@ $1 == "I" { inside[hex($2)] = $3; next }
     current = hex($1)
     name[current] = substr($2, 2, length($2) - 3)
     order[functions++] = current
-    split("", literal)
+    split("", constant)
     next
 }
 /^ +[0-9a-f]+:\t/ {
@@ -51,6 +51,7 @@ $1 == "I" { inside[hex($2)] = $3; next }
     if (op ~ /^\./ || op == "nop" || op == "nop.w") next
     last_op = op; last_args = args
     frame_of(op, args, $0)
+    constant_of(op, args, $0)
     branch_of(op, args)
 }
 function end_function() {
@@ -59,8 +60,21 @@ function end_function() {
         last_op ~ /^tb[bh]$/)) falls[current] = functions
     last_op = ""
 }
+# What a register holds, as far as frames need it that are beyond the reach of one instruction: `ldr r4, =-1704; add sp, r4`, and back
+# with `movs r3, #213; lsls r3, #3; add sp, r3`. "v VALUE", "l ADDRESS OF VALUE", or nothing.
+function constant_of(op, args, whole,  reg, value, at) {
+    if (args !~ /^r[0-9]+,/) return
+    reg = args; sub(/,.*$/, "", reg)
+    value = args; sub(/^.*#/, "", value)
+    if (op == "movs" && args ~ /^r[0-9]+, #[0-9]+$/) constant[reg] = "v " value
+    else if (op == "lsls" && args == reg ", " reg ", #" value && constant[reg] ~ /^v/) constant[reg] = "v " substr(constant[reg], 3) * 2 ^ value
+    else if (op ~ /^ldr/ && whole ~ /\[pc, #/) {
+        at = whole; sub(/^.*\(/, "", at); sub(/[ )].*$/, "", at)
+        constant[reg] = "l " hex(at)
+    } else constant[reg] = ""
+}
 # Bytes of stack that an instruction takes. What it gives back does not count: the sum over all ways is never too small.
-function frame_of(op, args, whole,  list, n, reg, at) {
+function frame_of(op, args, whole,  list, n, reg) {
     if (op ~ /^push/ || (op ~ /^stmdb/ && args ~ /^sp!/)) {
         list = args; sub(/^[^{]*{/, "", list)
         n = split(list, x, ",")
@@ -73,15 +87,10 @@ function frame_of(op, args, whole,  list, n, reg, at) {
     else if (op ~ /^subw?(\.w)?$/ && args ~ /^sp, (sp, )?#/) {
         n = args; sub(/^.*#/, "", n)
         frame[current] += n
-    } else if (op ~ /^ldr/ && whole ~ /\[pc, #/) {
-        # Frames beyond the reach of an instruction: ldr rN, =-SIZE; add sp, rN.
-        reg = args; sub(/,.*$/, "", reg)
-        at = whole; sub(/^.*\(/, "", at); sub(/[ )].*$/, "", at)
-        big[current, reg] = hex(at)
     } else if (op ~ /^add/ && args ~ /^sp, (sp, )?r[0-9]+$/) {
         reg = args; sub(/^.*, /, "", reg)
-        later[laters++] = current " " reg
-    } else if (op ~ /^(sub|mov)/ && args ~ /^sp, (sp, )?r[0-9]+$/ && !(op ~ /^mov/ && args ~ /^sp, r7$/))
+        later[laters++] = current " " constant[reg]
+    } else if (op ~ /^(sub|mov)/ && args ~ /^sp, (sp, )?(r[0-9]+|ip|sl|fp|lr)$/ && !(op ~ /^mov/ && args ~ /^sp, r7$/))
         complain(name[current] ": a stack of unknown size: " whole)
 }
 function branch_of(op, args,  target) {
@@ -173,7 +182,7 @@ END {
     for (f in falls) if (falls[f] < functions) edges[f] = edges[f] " " order[falls[f]]
     for (i = 0; i < laters; i++) {
         split(later[i], x, " ")
-        value = word[big[x[1], x[2]]]
+        value = x[2] == "l" ? word[x[3]] : x[3]
         if (value == "") complain(name[x[1]] ": a stack of unknown size")
         else if (value >= 2147483648) frame[x[1]] += 4294967296 - value
     }
