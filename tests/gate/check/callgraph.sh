@@ -37,7 +37,7 @@ words() { # LETTER SECTION
             /^};/ { class = "" }' "$header"
     done
     # Where each indirect call stands in the source, inlined or not.
-    awk -F '\t' '/^ +[0-9a-f]+:\t/ { op = $2; gsub(/ /, "", op); args = $3; sub(/[ \t;@].*$/, "", args)
+    awk -F '\t' '/^ *[0-9a-f]+:\t/ { op = $2; gsub(/ /, "", op); args = $3; sub(/[ \t;@].*$/, "", args)
         if ((op == "blx" && args ~ /^(r|ip|sl|fp|lr)/) || (op == "bx" && args != "lr")) { at = $1; gsub(/[ :]/, "", at); print "0x" at } }' \
         "$dir/code" >"$dir/sites"
     if [ -s "$dir/sites" ]; then

@@ -13,6 +13,7 @@ elf=$1
         if ($3 ~ /^_?(v?s?n?printf|puts|exit|abort|__libc.*)$/) complain("libc: " $3)
     }
     /^[0-9a-f]+ <.*>:$/ { name = $2 }
-    /^ +[0-9a-f]+:\tv[a-z]/ { if (!(name in told)) complain("floating-point instruction in " name); told[name] = 1 }
+    /^ *[0-9a-f]+:\t/ { instructions++ }
+    /^ *[0-9a-f]+:\tv[a-z]/ { if (!(name in told)) complain("floating-point instruction in " name); told[name] = 1 }
     function complain(what) { print "symbols: " what; breaches++ }
-    END { if (seen == 0) { print "symbols: the image is empty"; exit 1 } exit breaches > 0 }'
+    END { if (seen == 0 || instructions == 0) { print "symbols: the image is empty"; exit 1 } exit breaches > 0 }'
