@@ -16,8 +16,8 @@ struct board_status {
     const char *stop;    ///< name of the stop line that is active, or NULL
     enum hal_reset_cause reset_cause;
     struct hal_can_state can; ///< at its worst since the last status line
-    uint32_t busy_us;     ///< of the last tick
-    uint32_t busy_us_max; ///< since the last status line
+    uint32_t busy_us;         ///< of the last tick
+    uint32_t busy_us_max;     ///< since the last status line
     uint32_t ticks_missed;
 };
 
