@@ -31,7 +31,7 @@ unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
 test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c)
-formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.h hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
+formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.[ch] hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
     boards/*/*.[ch] tests/*.h tests/*/*.h tests/*/*/*.h))
 
 # ---------------------------------------------------------------- flags
@@ -117,6 +117,7 @@ arm_objects := $(foreach c,$(arm_cores),$(firmware_c:%.c=$(B)/$(c)/%.o))
 .PHONY: FORCE
 FORCE:
 
+include boards/boards.mk
 include tests/tests.mk
 
 # ---------------------------------------------------------------- targets
@@ -147,7 +148,7 @@ $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
 help: ## List the targets
-	@grep -hE '^[a-z-]+:.*## ' Makefile tests/tests.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
+	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
 
 install: $(B)/boresight ## Install the program (PREFIX, DESTDIR)
 	install -D -m 755 $(B)/boresight $(DESTDIR)$(PREFIX)/bin/boresight

@@ -14,6 +14,9 @@ need-check:
 	@.ci/need check
 
 $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
+$(B)/check/script/tests/gate/image.log: $(mcu_boards:%=$(B)/boards/%/boresight.elf)
+$(foreach g,boot reproducible,$(B)/check/script/tests/gate/$(g).log): \
+    $(foreach i,elf bin hex,$(B)/boards/stm32f405/boresight.$(i))
 
 $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 

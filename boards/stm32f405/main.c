@@ -1,0 +1,115 @@
+/// The image of the STM32F405: sets up the chip, then runs the loop that all boards share.
+#include "devices.h"
+
+#include "app/board_loop.h"
+#include "compiled_rig.h"
+#include "cortexm/cortexm.h"
+#include "cortexm/cortexm_crash.h"
+#include "cortexm/cortexm_start.h"
+#include "link/text.h"
+#include "pins.h"
+#include "stm32f4/stm32f4_clocks.h"
+#include "stm32f4/stm32f4_watchdog.h"
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+#define TICK_US      1000U
+
+struct board_devices_here devices;
+
+static struct stm32f4_gpio gpio;
+static struct stm32f4_pwm pwm;
+static struct stm32f4_watchdog watchdog;
+static struct board_loop loop;
+
+static const struct board_stop_line stop_lines[] = {
+    {LINE_EMERGENCY_STOP, "emergency stop"},
+    {LINE_KEY_SWITCH, "key switch off"},
+    {LINE_PAN_LIMIT, "pan limit switch"},
+    {LINE_TILT_LIMIT, "tilt limit switch"},
+};
+
+// ---------------------------------------------------------------- what the greeting tells
+
+static char clock_note[64], crash_note[80];
+static const char *notes[] = {"board: stm32f405", clock_note, NULL, NULL};
+
+static void finish(struct text *text) {
+    text->buffer[text->size_bytes] = '\0';
+}
+
+static void note_clock(const struct stm32f4_clocks *clocks) {
+    struct text text;
+    text_begin(&text, clock_note, sizeof clock_note - 1U);
+    text_string(&text, "clock: ");
+    text_unsigned(&text, clocks->core_hz / 1000000U, 0);
+    text_string(&text, " MHz, ");
+    text_string(&text, stm32f4_clocks_state_name(clocks->state));
+    finish(&text);
+}
+
+static void note_crash(void) {
+    struct cortexm_crash crash;
+    if (!cortexm_crash_take(&crash)) {
+        return;
+    }
+    struct text text;
+    text_begin(&text, crash_note, sizeof crash_note - 1U);
+    text_string(&text, "last run: ");
+    // The only non-maskable interrupt of this chip is that of its clock monitor (RM0090 7.2.7).
+    text_string(&text, crash.exception == 2U ? "the crystal stopped, exception"
+                                             : cortexm_crash_name(crash.exception));
+    text_string(&text, " ");
+    text_unsigned(&text, crash.exception, 0);
+    text_string(&text, " at ");
+    text_hex(&text, crash.pc);
+    text_string(&text, " from ");
+    text_hex(&text, crash.lr);
+    finish(&text);
+    notes[2] = crash_note;
+}
+
+// ---------------------------------------------------------------- set-up
+
+/// Returns why the board must not arm, or NULL.
+static const char *set_up(void) {
+    stm32f4_watchdog_init(&watchdog);
+    const struct stm32f4_clocks clocks = stm32f4_clocks_start(CRYSTAL_MHZ);
+    note_clock(&clocks);
+    note_crash();
+    cortexm_clock_start(&devices.clock, clocks.core_hz, TICK_US);
+    stm32f4_gpio_init(&gpio, gpio_lines, gpio_pins, COUNT(gpio_lines));
+    stm32f4_pwm_init(&pwm, pwm_channels, COUNT(pwm_channels), clocks.apb1_timer_hz);
+    stm32f4_gpio_set_alternate(CONSOLE_TX, CONSOLE_AF, HAL_GPIO_PULL_NONE);
+    stm32f4_gpio_set_alternate(CONSOLE_RX, CONSOLE_AF, HAL_GPIO_PULL_UP);
+    stm32f4_usart_init(&devices.console, STM32F4_USART1, STM32F4_IRQ_USART1, clocks.apb2_hz,
+                       CONSOLE_BAUD);
+    stm32f4_can_init(&devices.can, &devices.clock);
+    if (clocks.state != STM32F4_CLOCKS_FULL) {
+        return stm32f4_clocks_state_name(clocks.state); // and a wrong clock disturbs the bus
+    }
+    stm32f4_gpio_set_alternate(CAN_TX, CAN_AF, HAL_GPIO_PULL_NONE);
+    stm32f4_gpio_set_alternate(CAN_RX, CAN_AF, HAL_GPIO_PULL_UP);
+    return stm32f4_can_start(&devices.can) == HAL_OK ? NULL : "the CAN controller does not start";
+}
+
+int main(void) {
+    static struct board_config config = {.controller = &compiled_rig,
+                                         .stop_lines = stop_lines,
+                                         .stop_line_count = COUNT(stop_lines),
+                                         .enable_line = LINE_ENABLE,
+                                         .notes = notes};
+    config.refusal = set_up();
+    board_loop_init(
+        &loop, &config,
+        &(struct board_devices){
+            .pump = {.clock = &devices.clock.hal, .can = &devices.can.hal, .pwm = &pwm.hal},
+            .gpio = &gpio.hal,
+            .console = &devices.console.hal,
+            .watchdog = &watchdog.hal});
+    uint32_t tick = devices.clock.ticks;
+    for (;;) {
+        const uint32_t next = cortexm_clock_wait_tick(&devices.clock, tick);
+        board_loop_tick(&loop, next - tick - 1U);
+        tick = next;
+    }
+}
