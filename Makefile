@@ -30,7 +30,8 @@ test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property
 unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
 test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
-all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c)
+mcu_test_c := $(wildcard tests/mcu/*.c tests/mcu/*/*.c tests/mcu/*/*/*.c)
+all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c)
 formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.[ch] hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
     boards/*/*.[ch] tests/*.h tests/*/*.h tests/*/*/*.h))
 

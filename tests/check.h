@@ -48,6 +48,13 @@ static inline uint64_t check_random(uint64_t *state) {
     return x * UINT64_C(0x2545F4914F6CDD1D);
 }
 
+/// Random tests with many rounds take so many of them: fewer on slow machines, whose builds set
+/// CHECK_SHARE.
+#ifndef CHECK_SHARE
+#define CHECK_SHARE 1
+#endif
+#define CHECK_ROUNDS(count) ((count) / CHECK_SHARE)
+
 /// Where the text goes: supplied by check_host.c, or by the start-up code of an emulated board.
 void check_write(const char *text, size_t size);
 

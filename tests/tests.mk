@@ -7,6 +7,7 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(patsubst %.c,san/%,$(filter tests/cli/% tests/contract/% tests/scenario/%,$(host_test_c))) \
     $(test_scripts:%.sh=script/%) \
     $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts)))
+include tests/mcu/mps2/mps2.mk
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check

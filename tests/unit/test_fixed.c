@@ -67,7 +67,7 @@ static int128 any_i128(void) {
 }
 
 static void wide_128_matches_the_compiler(void) {
-    for (int i = 0; i < 200000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(200000) && check_clean(); i++) {
         const int64_t a = any_i64(), b = any_i64();
         const int128 p = any_i128(), q = any_i128();
         CHECK(from_wide(i128_mul(a, b)) == (int128)a * b);
@@ -87,7 +87,7 @@ static void wide_128_matches_the_compiler(void) {
 }
 
 static void long_division_matches_the_compiler(void) {
-    for (int i = 0; i < 200000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(200000) && check_clean(); i++) {
         uint64_t divisor = any_u64() | 1U, rest;
         if ((i & 3) == 0) {
             divisor = UINT64_MAX -
@@ -104,7 +104,7 @@ static void long_division_matches_the_compiler(void) {
 }
 
 static void determinant(void) {
-    for (int i = 0; i < 100000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(100000) && check_clean(); i++) {
         const struct vec3 a = vec3(any_i32(), any_i32(), any_i32());
         const struct vec3 b = vec3(any_i32(), any_i32(), any_i32());
         const struct vec3 c = vec3(any_i32(), any_i32(), any_i32());
@@ -131,7 +131,7 @@ static void determinant_at_the_ends_of_the_range(void) {
 }
 
 static void wide_256_identities(void) {
-    for (int i = 0; i < 20000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(20000) && check_clean(); i++) {
         const struct i128 a = {any_u64(), any_i64()}, b = {any_u64(), any_i64()},
                           c = {any_u64(), any_i64() / 2};
         const struct i128 a_half = {a.lo, a.hi / 2};
@@ -170,7 +170,7 @@ static void square_roots(void) {
     CHECK_EQ(root_u64(UINT64_MAX), UINT32_MAX);
     CHECK(root_u128((struct u128){UINT64_MAX, UINT64_MAX}) == UINT64_MAX);
     CHECK_EQ(root_u64(0), 0);
-    for (int i = 0; i < 200000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(200000) && check_clean(); i++) {
         const uint64_t n = any_u64(), r = (uint32_t)any_u64();
         CHECK(is_root_u64(n, root_u64(n)));
         CHECK(root_u64(r * r) == r);
@@ -203,7 +203,7 @@ static void trigonometry_at_the_quarter_turns(void) {
     CHECK_EQ(trig_atan2(-5, 0).bam, 0xC0000000U);
     CHECK_EQ(trig_atan2(INT64_MIN, INT64_MIN).bam, 0xA0000000U);
     CHECK_EQ(trig_atan2(INT64_MAX, INT64_MAX).bam, 0x20000000U);
-    for (int i = 0; i < 100000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(100000) && check_clean(); i++) {
         const bam32_t angle = bam32((uint32_t)check_random(&seed));
         const struct sincos there = trig_sincos(angle), back = trig_sincos(bam32_neg(angle));
         CHECK_EQ(back.sin_q30, -there.sin_q30);
@@ -220,7 +220,7 @@ static void normalisation(void) {
     CHECK(vec3_is_zero(vec3_normalise(vec3(0, 0, 0))));
     CHECK(vec3_is_zero(vec3_i64_normalise((struct vec3_i64){0, 0, 0})));
     CHECK(vec3_equal(vec3_normalise(vec3(3, 4, 0)), vec3(644245094, 858993459, 0)));
-    for (int i = 0; i < 50000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(50000) && check_clean(); i++) {
         const struct vec3 a = vec3(any_i32(), any_i32(), any_i32());
         if (vec3_is_zero(a)) {
             continue;

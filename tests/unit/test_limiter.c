@@ -51,7 +51,7 @@ static void brake_speed_is_the_largest(void) {
         }
     }
     seed = 11;
-    for (int i = 0; i < 20000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(20000) && check_clean(); i++) {
         const int64_t accel = any_above_0(49);
         int64_t distance = size_of(any(56));
         if (distance / accel > 1000000) {
@@ -225,7 +225,7 @@ static void note_worst(void) {
 static void hostile_goals(void) {
     seed = 21;
     note_run();
-    for (int i = 0; i < 250 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(250) && check_clean(); i++) {
         any_config();
         run_hostile(config.min_q48 + (int64_t)(check_random(&seed) %
                                                ((uint64_t)(config.max_q48 - config.min_q48) + 1U)),
@@ -238,7 +238,7 @@ static void hostile_goals(void) {
 static void starting_outside_leads_inward(void) {
     seed = 22;
     note_run();
-    for (int i = 0; i < 150 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(150) && check_clean(); i++) {
         any_config();
         const int64_t off = any_above_0(54);
         run_hostile((check_random(&seed) & 1U) != 0U ? config.max_q48 + off : config.min_q48 - off,
@@ -297,7 +297,7 @@ static void arrives_exactly_and_soon(void) {
     seed = 31;
     check_note("seed", (int64_t)seed);
     int64_t worst = 0;
-    for (int i = 0; i < 150 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(150) && check_clean(); i++) {
         const int64_t speed = any_above_0(40);
         const int64_t accel = any_above_0(36);
         const uint32_t smooth = 1U + (uint32_t)(check_random(&seed) % 100U);

@@ -80,7 +80,7 @@ static bool near(struct vec3 a, struct vec3 b, int64_t ulp) {
 }
 
 static void right_ahead_up_are_a_right_handed_frame(void) {
-    for (int i = 0; i < 20000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(20000) && check_clean(); i++) {
         const struct vec3 ahead = any_unit(), up = any_up();
         const struct orient_axes axes = orient_axes(ahead, up);
         // det(R, A, U) = +1 and all three perpendicular: U = R x A, R = A x U, A = U x R.
@@ -96,7 +96,7 @@ static void right_ahead_up_are_a_right_handed_frame(void) {
 }
 
 static void the_length_of_up_changes_no_bit(void) {
-    for (int i = 0; i < 20000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(20000) && check_clean(); i++) {
         const struct vec3 ahead = any_unit();
         const struct vec3 a = any_up(), up = vec3(a.x / 256, a.y / 256, a.z / 256);
         const int32_t factor = 1 + (int32_t)(check_random(&seed) % 255U);
@@ -159,7 +159,7 @@ static void no_picture_from_90_degrees_on(void) {
 }
 
 static void a_wider_cone_has_a_larger_picture(void) {
-    for (int i = 0; i < 20000 && check_clean(); i++) {
+    for (int i = 0; i < CHECK_ROUNDS(20000) && check_clean(); i++) {
         const uint32_t angle = (uint32_t)check_random(&seed) % (BAM32_QUARTER - 1U);
         struct orient_image image = {0, 0}, next = {0, 0};
         CHECK_EQ(orient_image_of_cone(bam32(angle), &image), ORIENT_IMAGE_OK);
