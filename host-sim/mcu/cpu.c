@@ -5,7 +5,6 @@
 #include <string.h>
 #include <unicorn/unicorn.h>
 
-#define WATCHED      0x8000U
 #define SYSTEM_BASE  0x1FFF7000U
 #define SYSTEM_BYTES 0x1000U
 #define NEVER_REACHED 0xFFFF0000U
@@ -80,8 +79,9 @@ struct nvic_masks cpu_masks(const struct cpu *cpu) {
                                (uint8_t)(basepri & 0xF0U)};
 }
 
-void cpu_spend(struct cpu *cpu, uint32_t cycles) {
+void cpu_spend(struct cpu *cpu, uint64_t cycles) {
     cpu->soc->cycle += cycles;
+    cpu->other_cycles += cycles;
 }
 
 // ---------------------------------------------------------------- between blocks
@@ -90,6 +90,10 @@ static void stop(struct cpu *cpu, uint32_t pc) {
     cpu->pc = pc;
     cpu->stopping = true;
     (void)uc_emu_stop(cpu->engine);
+}
+
+static bool can_hang(const struct cpu *cpu) {
+    return cpu->hangs_from <= NVIC_PRIORITY_THREAD;
 }
 
 static bool is_hanging(const struct cpu *cpu) {
@@ -111,7 +115,7 @@ static bool attend(struct cpu *cpu, uint32_t pc) {
         if (!is_hanging(cpu)) {
             return true;
         }
-        soc->cycle = soc->next_cycle > soc->cycle ? soc->next_cycle : soc->cycle;
+        cpu_spend(cpu, soc->next_cycle > soc->cycle ? soc->next_cycle - soc->cycle : 0U);
     }
 }
 
@@ -123,41 +127,42 @@ static uint16_t count_instructions(const struct cpu *cpu, uint32_t address, uint
     return count;
 }
 
+static bool is_watched(const struct cpu *cpu, uint32_t place) {
+    return (cpu->watched[place / 64U] >> (place / 2U % 32U) & 1U) != 0U;
+}
+
+/// A block that is met for the first time, is watched, or lies outside of the flash.
+/// Returns: its instructions; 0: it does not run now.
+static uint32_t meet_block(struct cpu *cpu, uint32_t address, uint32_t size_bytes) {
+    const uint32_t place = address - CPU_FLASH_BASE;
+    const uint16_t instructions = count_instructions(cpu, address, size_bytes);
+    if (place >= CPU_FLASH_BYTES) {
+        return instructions;
+    }
+    if (is_watched(cpu, place)) {
+        cpu->watcher(cpu->watcher_context, cpu, address);
+        return is_hanging(cpu) && !attend(cpu, address) ? 0U : instructions;
+    }
+    cpu->blocks[place / 2U] = (struct cpu_block){(uint16_t)size_bytes, instructions};
+    return instructions;
+}
+
+/// Called before each basic block, some hundred million times a second: short.
 static void on_block(uc_engine *engine, uint64_t address64, uint32_t size_bytes, void *user) {
     struct cpu *cpu = user;
     struct soc *soc = cpu->soc;
     const uint32_t address = (uint32_t)address64, place = address - CPU_FLASH_BASE;
     (void)engine;
-    if (soc->cycle >= soc->next_cycle || soc->nvic.attention || is_hanging(cpu) ||
-        soc->reset_wanted != SOC_RESET_NONE) {
-        if (!attend(cpu, address)) {
-            return;
-        }
-    }
-    uint32_t instructions;
-    if (place < CPU_FLASH_BYTES) {
-        struct cpu_block *block = &cpu->blocks[place / 2U];
-        if (block->size_bytes != size_bytes) {
-            block->size_bytes = (uint16_t)size_bytes;
-            block->instructions = (uint16_t)((block->instructions & WATCHED) |
-                                             count_instructions(cpu, address, size_bytes));
-        }
-        if ((block->instructions & WATCHED) != 0U) {
-            cpu->watcher(cpu->watcher_context, cpu, address);
-            if (is_hanging(cpu) && !attend(cpu, address)) {
-                return;
-            }
-        }
-        instructions = block->instructions & ~WATCHED;
-    } else {
-        instructions = count_instructions(cpu, address, size_bytes);
+    if (soc->cycle >= soc->attend_cycle && !attend(cpu, address)) {
+        return;
     }
     cpu->block_address = address;
     cpu->block_bytes = size_bytes;
-    cpu->instructions += instructions;
-    cpu->handler_instructions +=
-        soc->nvic.active_group != NVIC_PRIORITY_THREAD ? instructions : 0U;
-    soc->cycle += instructions;
+    if (place < CPU_FLASH_BYTES && cpu->blocks[place / 2U].size_bytes == size_bytes) {
+        soc->cycle += cpu->blocks[place / 2U].instructions;
+    } else {
+        soc->cycle += meet_block(cpu, address, size_bytes);
+    }
 }
 
 static void on_instruction(uc_engine *engine, uint64_t address, uint32_t size_bytes, void *user) {
@@ -329,6 +334,9 @@ void cpu_run(struct cpu *cpu, uint64_t until_ns) {
         } else if (cpu->state != CPU_RUNS) {
             pass_time(cpu);
         } else if (!cpu_take_pending(cpu, cpu->pc)) {
+            if (can_hang(cpu)) {
+                soc_alert(soc);
+            }
             execute(cpu);
         }
     }
@@ -337,9 +345,16 @@ void cpu_run(struct cpu *cpu, uint64_t until_ns) {
 void cpu_watch(struct cpu *cpu, uint32_t address, bool on) {
     const uint32_t place = (address & ~1U) - CPU_FLASH_BASE;
     if (place < CPU_FLASH_BYTES) {
-        uint16_t *flags = &cpu->blocks[place / 2U].instructions;
-        *flags = (uint16_t)(on ? *flags | WATCHED : *flags & ~WATCHED);
+        const uint32_t bit = UINT32_C(1) << (place / 2U % 32U);
+        uint32_t *word = &cpu->watched[place / 64U];
+        *word = on ? *word | bit : *word & ~bit;
+        cpu->blocks[place / 2U].size_bytes = 0;
     }
+}
+
+void cpu_hang(struct cpu *cpu, int from_priority) {
+    cpu->hangs_from = from_priority;
+    soc_alert(cpu->soc);
 }
 
 void cpu_reset(struct cpu *cpu) {

@@ -39,8 +39,8 @@ typedef void cpu_watch_fn(void *context, struct cpu *cpu, uint32_t address);
 
 /// What is known of the basic block that begins at a half word of the flash.
 struct cpu_block {
-    uint16_t size_bytes;
-    uint16_t instructions; ///< upper bit: watched
+    uint16_t size_bytes; ///< 0: not known yet, or watched
+    uint16_t instructions;
 };
 
 struct cpu {
@@ -49,6 +49,7 @@ struct cpu {
     void *windows[2][2]; ///< for its callbacks: this, and the first address of registers
     uint8_t *flash, *ram, *ccm, *system;
     struct cpu_block *blocks;
+    uint32_t watched[CPU_FLASH_BYTES / 64U]; ///< a bit for each half word of the flash
     enum cpu_state state;
     bool waits_for_event; ///< sleeps in WFE, not WFI
     char why_locked_up[96];
@@ -59,16 +60,17 @@ struct cpu {
     uint32_t exact_pc;
     uint32_t fault_address;
 
-    uint64_t instructions; ///< since power-on
-    uint64_t handler_instructions; ///< of them, in exceptions
-    uint64_t exceptions;   ///< taken since power-on
+    uint64_t other_cycles; ///< awake, but not for an instruction: exceptions' entry, hanging
+    uint64_t handler_instructions; ///< since power-on, in exceptions that have ended
+    uint64_t handler_from;         ///< instructions when the outermost exception began
+    uint64_t exceptions;           ///< taken since power-on
     uint64_t resets;
 
     cpu_watch_fn *watcher;
     void *watcher_context;
 
     /// Code that runs at this group priority or a lower one (a higher number) makes no headway: a
-    /// program that hangs. NVIC_PRIORITY_THREAD: everything but handlers; above: nothing hangs.
+    /// program that hangs. NVIC_PRIORITY_THREAD: everything but handlers; above: nothing. See cpu_hang.
     int hangs_from;
 };
 
@@ -87,6 +89,14 @@ void cpu_run(struct cpu *cpu, uint64_t until_ns);
 /// call, a jump or a return.
 void cpu_watch(struct cpu *cpu, uint32_t address, bool on);
 
+/// Instructions since power-on. An instruction is a cycle, and what else takes cycles is kept apart.
+static inline uint64_t cpu_instructions(const struct cpu *cpu) {
+    return cpu->soc->cycle - cpu->soc->slept_cycles - cpu->other_cycles;
+}
+
+/// From now on nothing at this group priority or lower makes headway; until the next reset.
+void cpu_hang(struct cpu *cpu, int from_priority);
+
 /// Core registers R0 to R12, 13 (SP), 14 (LR) and 15 (PC); only from a watcher or between runs.
 uint32_t cpu_register(struct cpu *cpu, unsigned number);
 
@@ -104,6 +114,6 @@ void cpu_raise(struct cpu *cpu, unsigned exception, uint32_t pc);
 void cpu_return(struct cpu *cpu, uint32_t exc_return);
 void cpu_lock_up(struct cpu *cpu, const char *why, uint32_t value);
 struct nvic_masks cpu_masks(const struct cpu *cpu);
-void cpu_spend(struct cpu *cpu, uint32_t cycles);
+void cpu_spend(struct cpu *cpu, uint64_t cycles);
 
 #endif

@@ -59,6 +59,9 @@ static void start_handler(struct cpu *cpu, unsigned exception, uint32_t exc_retu
         cpu_lock_up(cpu, "the vector table is not in memory", cpu->soc->scb.vtor);
         return;
     }
+    if (cpu->soc->nvic.active_group == NVIC_PRIORITY_THREAD) {
+        cpu->handler_from = cpu_instructions(cpu);
+    }
     nvic_activate(&cpu->soc->nvic, exception);
     cpu->soc->nvic.event = true; // entry and return are events, to WFE
     cpu->soc->scb.exception = exception;
@@ -179,11 +182,16 @@ void cpu_return(struct cpu *cpu, uint32_t exc_return) {
         return;
     }
     nvic_deactivate(nvic, exception);
+    soc_alert(cpu->soc); // what runs next may have to wait, or to hang
     if (exception != NVIC_NMI) {
         set(cpu, UC_ARM_REG_FAULTMASK, 0);
     }
     const struct nvic_masks masks = cpu_masks(cpu);
     const unsigned next = nvic_preempts(nvic, &masks);
+    if (!to_handler) {
+        cpu->handler_instructions += cpu_instructions(cpu) - cpu->handler_from;
+        cpu->handler_from = cpu_instructions(cpu);
+    }
     if (next != 0U) { // tail-chaining: the frame stays where it is
         cpu_spend(cpu, CHAIN_CYCLES);
         start_handler(cpu, next, exc_return);

@@ -49,18 +49,23 @@ static unsigned mode_of(const struct gpio_port *port, unsigned number) {
     return port->moder >> (2U * number) & 3U;
 }
 
-struct gpio_function gpio_connection(const struct soc *soc, unsigned pin) {
-    const struct gpio_port *port = &soc->gpio[pin / 16U];
-    const unsigned number = pin % 16U;
-    if (mode_of(port, number) == MODE_ALTERNATE) {
-        const unsigned selected = port->afr[number / 8U] >> (4U * (number % 8U)) & 15U;
-        for (unsigned i = 0; i < sizeof alternates / sizeof *alternates; i++) {
-            if (alternates[i].pin == pin && alternates[i].function == selected) {
-                return alternates[i].to;
+/// Looks up what every pin of a port is connected to.
+static void connect(struct gpio_port *port) {
+    for (unsigned i = 0; i < GPIO_PINS_PER_PORT; i++) {
+        const unsigned pin = 16U * port->index + i;
+        const unsigned selected = port->afr[i / 8U] >> (4U * (i % 8U)) & 15U;
+        port->connection[i] = (struct gpio_function){GPIO_SIGNAL_NONE, 0, 0};
+        for (unsigned k = 0; k < sizeof alternates / sizeof *alternates; k++) {
+            if (mode_of(port, i) == MODE_ALTERNATE && alternates[k].pin == pin &&
+                alternates[k].function == selected) {
+                port->connection[i] = alternates[k].to;
             }
         }
     }
-    return (struct gpio_function){GPIO_SIGNAL_NONE, 0, 0};
+}
+
+struct gpio_function gpio_connection(const struct soc *soc, unsigned pin) {
+    return soc->gpio[pin / 16U].connection[pin % 16U];
 }
 
 bool gpio_is_connected(const struct soc *soc, unsigned pin, enum gpio_signal signal,
@@ -131,6 +136,7 @@ void gpio_reset(struct gpio_port *port, struct soc *soc, unsigned index) {
                                                       : 0U,
                                .driven = port->driven,
                                .driven_high = port->driven_high};
+    connect(port);
 }
 
 uint32_t gpio_read(void *model, uint32_t offset) {
@@ -195,6 +201,7 @@ void gpio_write(void *model, uint32_t offset, uint32_t value, uint32_t lanes) {
     switch (offset) {
     case 0x00:
         write_field(&port->moder, value, lanes, frozen(port, 0, 16, 2));
+        connect(port);
         break;
     case 0x04:
         write_field(&port->otyper, value, lanes & 0xFFFFU, frozen(port, 0, 16, 1));
@@ -217,9 +224,11 @@ void gpio_write(void *model, uint32_t offset, uint32_t value, uint32_t lanes) {
         break;
     case 0x20:
         write_field(&port->afr[0], value, lanes, frozen(port, 0, 8, 4));
+        connect(port);
         break;
     case 0x24:
         write_field(&port->afr[1], value, lanes, frozen(port, 8, 8, 4));
+        connect(port);
         break;
     default:
         break;

@@ -41,6 +41,7 @@ struct gpio_port {
     uint32_t moder, otyper, ospeedr, pupdr, odr, lckr, afr[2];
     uint8_t lock_step;
     bool locked;
+    struct gpio_function connection[GPIO_PINS_PER_PORT]; ///< follows from MODER and AFR
     // The world outside; survives a reset.
     uint16_t driven, driven_high;
 };

@@ -54,7 +54,7 @@ static void reload(struct iwdg *iwdg) {
 void iwdg_due(struct iwdg *iwdg) {
     settle(iwdg);
     if (iwdg->started && soc_now_ns(iwdg->soc) >= iwdg->expires_ns) {
-        iwdg->soc->reset_wanted = SOC_RESET_WATCHDOG;
+        soc_want_reset(iwdg->soc, SOC_RESET_WATCHDOG);
     } else if (iwdg->started) {
         soc_schedule_ns(iwdg->soc, SOC_IWDG, iwdg->expires_ns);
     }

@@ -194,10 +194,10 @@ static void inject(struct mcu_board *board, enum mcu_fault fault) {
         board->can.shorted = fault == MCU_FAULT_CAN_SHORT;
         break;
     case MCU_FAULT_HANG:
-        cpu->hangs_from = NVIC_PRIORITY_THREAD;
+        cpu_hang(cpu, NVIC_PRIORITY_THREAD);
         break;
     case MCU_FAULT_HANG_ALL:
-        cpu->hangs_from = INT16_MIN;
+        cpu_hang(cpu, INT16_MIN);
         break;
     case MCU_FAULT_STORM:
         board->stormy = true;
@@ -327,7 +327,7 @@ void mcu_board_free(struct mcu_board *board) {
 
 const char *mcu_board_other_rig(const struct mcu_board *board,
                                 const struct controller_config *config) {
-    const struct layout *layout = &layout_controller_config;
+    struct layout *layout = &layout_controller_config;
     uint8_t image[1024], rig[1024];
     struct controller_config wanted = *config;
     wanted.arm_on_start = board->config.arm_on_start;

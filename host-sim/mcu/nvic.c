@@ -1,5 +1,6 @@
 #include "mcu/nvic.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #define PRIORITY_BITS 0xF0U
@@ -45,10 +46,14 @@ static void update(struct nvic *nvic) {
     nvic->candidate = best;
     nvic->candidate_group = best != 0U ? group_of(nvic, best_priority) : NVIC_PRIORITY_THREAD;
     nvic->attention = nvic->candidate_group < nvic->active_group;
+    if (nvic->attention && nvic->attend_cycle != NULL) {
+        *nvic->attend_cycle = 0;
+    }
 }
 
-void nvic_reset(struct nvic *nvic) {
+void nvic_reset(struct nvic *nvic, uint64_t *attend_cycle) {
     memset(nvic, 0, sizeof *nvic);
+    nvic->attend_cycle = attend_cycle;
     // System exceptions can't be disabled, but for the three faults, which SHCSR enables.
     nvic->enabled[0] = UINT32_C(1) << NVIC_NMI | UINT32_C(1) << NVIC_HARD_FAULT |
                        UINT32_C(1) << NVIC_SVCALL | UINT32_C(1) << NVIC_PENDSV |

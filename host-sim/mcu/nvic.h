@@ -51,11 +51,13 @@ struct nvic {
     int candidate_group;        ///< its group priority
     int active_group;           ///< the lowest of the active exceptions, or NVIC_PRIORITY_THREAD
     bool attention;             ///< the candidate would preempt if no mask held it back
+    uint64_t *attend_cycle;     ///< of the soc: set to 0 when attention is wanted
     bool set_event_on_pending;  ///< SCR.SEVONPEND
     bool event;                 ///< something became pending: wakes from WFE with SEVONPEND
 };
 
-void nvic_reset(struct nvic *nvic);
+/// attend_cycle: set to 0 whenever the processor should look; NULL: nobody cares.
+void nvic_reset(struct nvic *nvic, uint64_t *attend_cycle);
 
 /// A part's interrupt line.
 void nvic_set_line(struct nvic *nvic, unsigned irq, bool high);

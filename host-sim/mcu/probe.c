@@ -61,10 +61,10 @@ static void begin_call(struct probe *probe) {
     probe->output_at = cpu_register(cpu, 2);
     probe->stack = cpu_register(cpu, 13);
     probe->return_to = cpu_register(cpu, 14) & ~1U;
-    probe->step_from = cpu->instructions;
+    probe->step_from = cpu_instructions(cpu);
     probe->handlers_from = cpu->handler_instructions;
-    probe->tick.loop_instructions = cpu->instructions - probe->loop_from;
-    probe->loop_from = cpu->instructions;
+    probe->tick.loop_instructions = cpu_instructions(cpu) - probe->loop_from;
+    probe->loop_from = cpu_instructions(cpu);
     probe->inside = true;
     cpu_watch(cpu, probe->return_to, true);
 }
@@ -104,7 +104,7 @@ static void end_call(struct probe *probe) {
     struct cpu *cpu = probe->cpu;
     probe->inside = false;
     cpu_watch(cpu, probe->return_to, false);
-    probe->tick.step_instructions = (cpu->instructions - probe->step_from) -
+    probe->tick.step_instructions = (cpu_instructions(cpu) - probe->step_from) -
                                     (cpu->handler_instructions - probe->handlers_from);
     read_output(probe);
     count(probe);
@@ -132,7 +132,7 @@ static void on_watched(void *context, struct cpu *cpu, uint32_t address) {
 // ---------------------------------------------------------------- use
 
 static struct probe_offsets find_offsets(void) {
-    const struct layout *input = &layout_controller_input, *controller = &layout_controller;
+    struct layout *input = &layout_controller_input, *controller = &layout_controller;
     return (struct probe_offsets){
         .input_bytes = layout_arm_bytes(input),
         .now_us = layout_arm_offset(input, "now_us"),

@@ -124,7 +124,7 @@ static void write_aircr(struct scb *scb, uint32_t value) {
     scb->prigroup = value >> 8 & 7U;
     nvic_set_grouping(&scb->soc->nvic, scb->prigroup);
     if ((value & AIRCR_SYSRESET) != 0U) {
-        scb->soc->reset_wanted = SOC_RESET_SOFTWARE;
+        soc_want_reset(scb->soc, SOC_RESET_SOFTWARE);
     }
 }
 

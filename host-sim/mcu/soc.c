@@ -100,7 +100,7 @@ void soc_reset_parts(struct soc *soc, enum rcc_bus bus, uint32_t bits) {
 
 void soc_reset(struct soc *soc, enum soc_reset cause) {
     soc->reset_wanted = SOC_RESET_NONE;
-    nvic_reset(&soc->nvic);
+    nvic_reset(&soc->nvic, &soc->attend_cycle);
     scb_reset(&soc->scb, soc);
     systick_reset(&soc->systick, soc);
     // What the clocks are checked against comes first.
@@ -124,7 +124,7 @@ void soc_init(struct soc *soc, const struct soc_options *options) {
             soc->part_of_block[(parts[i].base - PERIPHERALS) / BLOCK_BYTES] = (uint8_t)(i + 1U);
         }
     }
-    soc->next_cycle = SOC_NEVER;
+    soc->next_cycle = soc->attend_cycle = SOC_NEVER;
     soc_reset(soc, SOC_RESET_POWER);
 }
 
@@ -223,6 +223,19 @@ static void find_next(struct soc *soc) {
         next = soc->due_cycle[i] < next ? soc->due_cycle[i] : next;
     }
     soc->next_cycle = next;
+    soc->attend_cycle = soc->attend_cycle != 0U ? next : 0U;
+}
+
+/// A part's due time changes. Only if it was the earliest do the others matter.
+static void set_due(struct soc *soc, enum soc_part part, uint64_t cycle) {
+    const uint64_t before = soc->due_cycle[part];
+    soc->due_cycle[part] = cycle;
+    if (cycle <= soc->next_cycle) {
+        soc->next_cycle = cycle;
+        soc->attend_cycle = soc->attend_cycle != 0U ? cycle : 0U;
+    } else if (before == soc->next_cycle) {
+        find_next(soc);
+    }
 }
 
 void soc_set_hclk(struct soc *soc, uint32_t hz) {
@@ -239,14 +252,14 @@ void soc_set_hclk(struct soc *soc, uint32_t hz) {
 
 void soc_schedule(struct soc *soc, enum soc_part part, uint64_t cycle) {
     soc->due_ns[part] = SOC_NEVER;
-    soc->due_cycle[part] = cycle;
-    find_next(soc);
+    set_due(soc, part, cycle);
 }
 
 void soc_schedule_ns(struct soc *soc, enum soc_part part, uint64_t ns) {
-    soc->due_ns[part] = ns;
-    soc->due_cycle[part] = ns != SOC_NEVER ? soc_cycle_at(soc, ns) : SOC_NEVER;
-    find_next(soc);
+    if (soc->due_ns[part] != ns || ns == SOC_NEVER) {
+        soc->due_ns[part] = ns;
+        set_due(soc, part, ns != SOC_NEVER ? soc_cycle_at(soc, ns) : SOC_NEVER);
+    }
 }
 
 static void call_due(struct soc *soc, unsigned index) {
@@ -283,6 +296,9 @@ void soc_run_due(struct soc *soc) {
         soc_schedule(soc, (enum soc_part)first, SOC_NEVER);
         call_due(soc, first);
     }
+    soc->attend_cycle = soc->nvic.attention || soc->reset_wanted != SOC_RESET_NONE
+                            ? 0U
+                            : soc->next_cycle;
 }
 
 void soc_set_end(struct soc *soc, uint64_t ns) {

@@ -92,6 +92,9 @@ struct soc {
     uint64_t due_cycle[SOC_PART_COUNT];
     uint64_t due_ns[SOC_PART_COUNT]; ///< of events by the clock on the wall, SOC_NEVER for others
     uint64_t next_cycle;             ///< the earliest of due_cycle
+    /// When the processor must look up from its program: next_cycle, or at once (0) because of an
+    /// interrupt, a reset or a fault.
+    uint64_t attend_cycle;
 
     bool ended;                      ///< the end of the run has come
 
@@ -154,8 +157,19 @@ void soc_set_hclk(struct soc *soc, uint32_t hz);
 void soc_schedule(struct soc *soc, enum soc_part part, uint64_t cycle);
 void soc_schedule_ns(struct soc *soc, enum soc_part part, uint64_t ns);
 
-/// Calls every part whose time has come, in the order of their times.
+/// Calls every part whose time has come, in the order of their times, and sets attend_cycle.
 void soc_run_due(struct soc *soc);
+
+/// The processor must look up at once.
+static inline void soc_alert(struct soc *soc) {
+    soc->attend_cycle = 0;
+}
+
+/// Resets the chip as soon as the processor looks up.
+static inline void soc_want_reset(struct soc *soc, enum soc_reset cause) {
+    soc->reset_wanted = cause;
+    soc_alert(soc);
+}
 
 /// From now on `ended` tells whether a time has come.
 void soc_set_end(struct soc *soc, uint64_t ns);

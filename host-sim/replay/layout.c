@@ -8,26 +8,26 @@
 #define MEMBER(structure, field) (((struct structure *)0)->field)
 #define FIELD(structure, field, kind, type)                                                        \
     { #field, kind, offsetof(struct structure, field), sizeof MEMBER(structure, field),            \
-      _Alignof(__typeof__(MEMBER(structure, field))), type }
+      _Alignof(__typeof__(MEMBER(structure, field))), type, 0, 0, 0 }
 #define SAME(structure, field)        FIELD(structure, field, LAYOUT_SAME, NULL)
 #define ENUM(structure, field)        FIELD(structure, field, LAYOUT_ENUM, NULL)
 #define SIGNED_ENUM(structure, field) FIELD(structure, field, LAYOUT_SIGNED_ENUM, NULL)
 #define POINTER(structure, field)     FIELD(structure, field, LAYOUT_POINTER, NULL)
 #define STRUCT(structure, field, type) FIELD(structure, field, LAYOUT_STRUCT, &layout_##type)
 #define LAYOUT(structure, table)                                                                   \
-    { #structure, table, sizeof table / sizeof *table, sizeof(struct structure) }
+    { #structure, table, sizeof table / sizeof *table, sizeof(struct structure), 0, 0 }
 
 // ---------------------------------------------------------------- inputs
 
-static const struct layout_field target_update_fields[] = {
+static struct layout_field target_update_fields[] = {
     ENUM(target_update, kind),         SAME(target_update, id),
     SAME(target_update, object),       SAME(target_update, weight_q16),
     SAME(target_update, position_um), // a union, whose largest member this is
     SAME(target_update, radius_um),   // likewise
 };
-const struct layout layout_target_update = LAYOUT(target_update, target_update_fields);
+struct layout layout_target_update = LAYOUT(target_update, target_update_fields);
 
-static const struct layout_field controller_input_fields[] = {
+static struct layout_field controller_input_fields[] = {
     SAME(controller_input, now_us),
     SAME(controller_input, commands),
     SAME(controller_input, frame_count),
@@ -35,19 +35,19 @@ static const struct layout_field controller_input_fields[] = {
     SAME(controller_input, frame),
     STRUCT(controller_input, update, target_update),
 };
-const struct layout layout_controller_input = LAYOUT(controller_input, controller_input_fields);
+struct layout layout_controller_input = LAYOUT(controller_input, controller_input_fields);
 
 // ---------------------------------------------------------------- outputs
 
-static const struct layout_field framing_fields[] = {
+static struct layout_field framing_fields[] = {
     SIGNED_ENUM(framing, status),
     SAME(framing, ahead_q30),
     SAME(framing, half_angle_bam32),
     SAME(framing, framed_count),
 };
-static const struct layout layout_framing = LAYOUT(framing, framing_fields);
+static struct layout layout_framing = LAYOUT(framing, framing_fields);
 
-static const struct layout_field controller_status_fields[] = {
+static struct layout_field controller_status_fields[] = {
     SAME(controller_status, time_us),
     ENUM(controller_status, mode),
     SAME(controller_status, faults),
@@ -60,10 +60,10 @@ static const struct layout_field controller_status_fields[] = {
     SAME(controller_status, frames_ignored),
     SAME(controller_status, aims_solved),
 };
-static const struct layout layout_controller_status =
+static struct layout layout_controller_status =
     LAYOUT(controller_status, controller_status_fields);
 
-static const struct layout_field controller_output_fields[] = {
+static struct layout_field controller_output_fields[] = {
     SAME(controller_output, frame_count),
     SAME(controller_output, frame),
     SAME(controller_output, pulse_set),
@@ -71,27 +71,27 @@ static const struct layout_field controller_output_fields[] = {
     SAME(controller_output, pulse_ns),
     STRUCT(controller_output, status, controller_status),
 };
-const struct layout layout_controller_output = LAYOUT(controller_output, controller_output_fields);
+struct layout layout_controller_output = LAYOUT(controller_output, controller_output_fields);
 
 // ---------------------------------------------------------------- settings
 
-static const struct layout_field drive_config_fields[] = {
+static struct layout_field drive_config_fields[] = {
     ENUM(drive_config, kind),
     SAME(drive_config, rmd), // a union, as long as its other member
 };
-static const struct layout layout_drive_config = LAYOUT(drive_config, drive_config_fields);
+static struct layout layout_drive_config = LAYOUT(drive_config, drive_config_fields);
 _Static_assert(sizeof(struct drive_rmd_config) >= sizeof(struct drive_pwm_config),
                "the longest member of the union stands for it");
 
-static const struct layout_field controller_axis_config_fields[] = {
+static struct layout_field controller_axis_config_fields[] = {
     SAME(controller_axis_config, limits),
     STRUCT(controller_axis_config, drive, drive_config),
     SAME(controller_axis_config, home_q48),
 };
-static const struct layout layout_controller_axis_config =
+static struct layout layout_controller_axis_config =
     LAYOUT(controller_axis_config, controller_axis_config_fields);
 
-static const struct layout_field controller_config_fields[] = {
+static struct layout_field controller_config_fields[] = {
     SAME(controller_config, tick_us),
     SAME(controller_config, position_um),
     SAME(controller_config, attitude),
@@ -105,26 +105,26 @@ static const struct layout_field controller_config_fields[] = {
     SAME(controller_config, follow_error_us),
     SAME(controller_config, arm_on_start),
 };
-const struct layout layout_controller_config = LAYOUT(controller_config, controller_config_fields);
+struct layout layout_controller_config = LAYOUT(controller_config, controller_config_fields);
 
 // ---------------------------------------------------------------- the controller
 
-static const struct layout_field limiter_fields[] = {
+static struct layout_field limiter_fields[] = {
     POINTER(limiter, config),      SAME(limiter, position_q48), SAME(limiter, speed_q48),
     SAME(limiter, recent_q48),     SAME(limiter, recent_sum_q48), SAME(limiter, recent_next),
     SAME(limiter, still_ticks),    SAME(limiter, output_q48),   SAME(limiter, output_speed_q48),
 };
-static const struct layout layout_limiter = LAYOUT(limiter, limiter_fields);
+static struct layout layout_limiter = LAYOUT(limiter, limiter_fields);
 
-static const struct layout_field drive_fields[] = {
+static struct layout_field drive_fields[] = {
     POINTER(drive, config),        SAME(drive, ready),       SAME(drive, position_known),
     SAME(drive, position_q48),     SAME(drive, position_us), SAME(drive, heard_us),
     SAME(drive, error_bits),       SAME(drive, temperature_c), SAME(drive, accel_plan_dps2),
     SAME(drive, asked),            SAME(drive, bad_replies),
 };
-static const struct layout layout_drive = LAYOUT(drive, drive_fields);
+static struct layout layout_drive = LAYOUT(drive, drive_fields);
 
-static const struct layout_field controller_fields[] = {
+static struct layout_field controller_fields[] = {
     POINTER(controller, config),
     SAME(controller, mount),
     SAME(controller, targets),
@@ -158,9 +158,9 @@ static const struct layout_field controller_fields[] = {
     SAME(controller, frames_ignored),
     SAME(controller, aims_solved),
 };
-const struct layout layout_controller = LAYOUT(controller, controller_fields);
+struct layout layout_controller = LAYOUT(controller, controller_fields);
 
-static const struct layout *const all[] = {&layout_target_update,
+static struct layout *const all[] = {&layout_target_update,
                                            &layout_controller_input,
                                            &layout_framing,
                                            &layout_controller_status,
@@ -178,65 +178,46 @@ static uint32_t align_up(uint32_t at, uint32_t align) {
     return (at + align - 1U) / align * align;
 }
 
-static uint32_t arm_align(const struct layout *layout);
-
-static uint32_t field_align(const struct layout_field *field) {
-    switch (field->kind) {
-    case LAYOUT_SAME:
-        return field->align;
-    case LAYOUT_POINTER:
-        return 4;
-    case LAYOUT_STRUCT:
-        return arm_align(field->type);
-    default:
-        return 1;
+/// Lays a structure out as the EABI says, once.
+static void measure(struct layout *layout) {
+    if (layout->arm_bytes != 0U) {
+        return;
     }
-}
-
-static uint32_t element_count(const struct layout_field *field) {
-    return field->kind == LAYOUT_STRUCT ? field->host_bytes / field->type->host_bytes : 1U;
-}
-
-static uint32_t field_bytes(const struct layout_field *field) {
-    switch (field->kind) {
-    case LAYOUT_SAME:
-        return field->host_bytes;
-    case LAYOUT_POINTER:
-        return 4;
-    case LAYOUT_STRUCT:
-        return layout_arm_bytes(field->type) * element_count(field);
-    default:
-        return 1;
-    }
-}
-
-static uint32_t arm_align(const struct layout *layout) {
-    uint32_t most = 1;
-    for (unsigned i = 0; i < layout->field_count; i++) {
-        const uint32_t align = field_align(&layout->fields[i]);
-        most = align > most ? align : most;
-    }
-    return most;
-}
-
-/// Offset of a field by its index; of the index behind the last, the size.
-static uint32_t offset_of(const struct layout *layout, unsigned index) {
     uint32_t at = 0;
-    for (unsigned i = 0; i < index; i++) {
-        at = align_up(at, field_align(&layout->fields[i])) + field_bytes(&layout->fields[i]);
+    layout->arm_align = 1;
+    for (unsigned i = 0; i < layout->field_count; i++) {
+        struct layout_field *field = &layout->fields[i];
+        uint32_t bytes = 1, align = 1; // an enum
+        field->count = 1;
+        if (field->kind == LAYOUT_SAME) {
+            bytes = field->host_bytes;
+            align = field->align;
+        } else if (field->kind == LAYOUT_POINTER) {
+            bytes = align = 4;
+        } else if (field->kind == LAYOUT_STRUCT) {
+            measure(field->type);
+            field->count = field->host_bytes / field->type->host_bytes;
+            bytes = field->type->arm_bytes * field->count;
+            align = field->type->arm_align;
+        }
+        field->arm_at = align_up(at, align);
+        field->arm_bytes = bytes;
+        at = field->arm_at + bytes;
+        layout->arm_align = align > layout->arm_align ? align : layout->arm_align;
     }
-    return align_up(at, index < layout->field_count ? field_align(&layout->fields[index])
-                                                    : arm_align(layout));
+    layout->arm_bytes = align_up(at, layout->arm_align);
 }
 
-uint32_t layout_arm_bytes(const struct layout *layout) {
-    return offset_of(layout, layout->field_count);
+uint32_t layout_arm_bytes(struct layout *layout) {
+    measure(layout);
+    return layout->arm_bytes;
 }
 
-uint32_t layout_arm_offset(const struct layout *layout, const char *field) {
+uint32_t layout_arm_offset(struct layout *layout, const char *field) {
+    measure(layout);
     for (unsigned i = 0; i < layout->field_count; i++) {
         if (strcmp(layout->fields[i].name, field) == 0) {
-            return offset_of(layout, i);
+            return layout->fields[i].arm_at;
         }
     }
     abort(); // a name that was mistyped here
@@ -277,35 +258,37 @@ static void copy_to_arm(const struct layout_field *field, const uint8_t *host, u
     }
 }
 
-void layout_to_host(const struct layout *layout, const void *arm, void *host) {
+void layout_to_host(struct layout *layout, const void *arm, void *host) {
+    measure(layout);
     for (unsigned i = 0; i < layout->field_count; i++) {
         const struct layout_field *field = &layout->fields[i];
-        const uint8_t *from = (const uint8_t *)arm + offset_of(layout, i);
+        const uint8_t *from = (const uint8_t *)arm + field->arm_at;
         uint8_t *to = (uint8_t *)host + field->host_at;
         if (field->kind != LAYOUT_STRUCT) {
             copy_to_host(field, from, to);
             continue;
         }
-        for (uint32_t k = 0; k < element_count(field); k++) {
-            layout_to_host(field->type, from + k * layout_arm_bytes(field->type),
+        for (uint32_t k = 0; k < field->count; k++) {
+            layout_to_host(field->type, from + k * field->type->arm_bytes,
                            to + k * field->type->host_bytes);
         }
     }
 }
 
-void layout_to_arm(const struct layout *layout, const void *host, void *arm) {
-    memset(arm, 0, layout_arm_bytes(layout));
+void layout_to_arm(struct layout *layout, const void *host, void *arm) {
+    measure(layout);
+    memset(arm, 0, layout->arm_bytes);
     for (unsigned i = 0; i < layout->field_count; i++) {
         const struct layout_field *field = &layout->fields[i];
         const uint8_t *from = (const uint8_t *)host + field->host_at;
-        uint8_t *to = (uint8_t *)arm + offset_of(layout, i);
+        uint8_t *to = (uint8_t *)arm + field->arm_at;
         if (field->kind != LAYOUT_STRUCT) {
             copy_to_arm(field, from, to);
             continue;
         }
-        for (uint32_t k = 0; k < element_count(field); k++) {
+        for (uint32_t k = 0; k < field->count; k++) {
             layout_to_arm(field->type, from + k * field->type->host_bytes,
-                          to + k * layout_arm_bytes(field->type));
+                          to + k * field->type->arm_bytes);
         }
     }
 }
@@ -315,11 +298,12 @@ void layout_to_arm(const struct layout *layout, const void *host, void *arm) {
 void layout_write_assertions(FILE *stream, bool arm) {
     fprintf(stream, "#include \"control/controller.h\"\n#include <stddef.h>\n");
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        const struct layout *layout = all[i];
+        struct layout *layout = all[i];
+        measure(layout);
         for (unsigned k = 0; k < layout->field_count; k++) {
             const struct layout_field *field = &layout->fields[k];
-            const uint32_t at = arm ? offset_of(layout, k) : field->host_at;
-            const uint32_t bytes = arm ? field_bytes(field) : field->host_bytes;
+            const uint32_t at = arm ? field->arm_at : field->host_at;
+            const uint32_t bytes = arm ? field->arm_bytes : field->host_bytes;
             fprintf(stream,
                     "_Static_assert(offsetof(struct %s, %s) == %uU && "
                     "sizeof(((struct %s *)0)->%s) == %uU, \"struct %s: %s\");\n",
@@ -327,6 +311,6 @@ void layout_write_assertions(FILE *stream, bool arm) {
                     field->name);
         }
         fprintf(stream, "_Static_assert(sizeof(struct %s) == %uU, \"struct %s: its size\");\n",
-                layout->name, arm ? layout_arm_bytes(layout) : layout->host_bytes, layout->name);
+                layout->name, arm ? layout->arm_bytes : layout->host_bytes, layout->name);
     }
 }

@@ -27,27 +27,31 @@ struct layout_field {
     enum layout_kind kind;
     uint32_t host_at, host_bytes; ///< all elements
     uint32_t align;               ///< LAYOUT_SAME
-    const struct layout *type;    ///< LAYOUT_STRUCT: of one element
+    struct layout *type;          ///< LAYOUT_STRUCT: of one element
+    // Found at the first use.
+    uint32_t arm_at, arm_bytes, count;
 };
 
 struct layout {
     const char *name; ///< of the struct
-    const struct layout_field *fields;
+    struct layout_field *fields;
     unsigned field_count;
     uint32_t host_bytes;
+    // Found at the first use.
+    uint32_t arm_bytes, arm_align;
 };
 
-extern const struct layout layout_target_update, layout_controller_input, layout_controller_output,
+extern struct layout layout_target_update, layout_controller_input, layout_controller_output,
     layout_controller_config, layout_controller;
 
-uint32_t layout_arm_bytes(const struct layout *layout);
+uint32_t layout_arm_bytes(struct layout *layout);
 
 /// Where a field lies over there. The name must be right.
-uint32_t layout_arm_offset(const struct layout *layout, const char *field);
+uint32_t layout_arm_offset(struct layout *layout, const char *field);
 
 /// Translates a whole structure.
-void layout_to_host(const struct layout *layout, const void *arm, void *host);
-void layout_to_arm(const struct layout *layout, const void *host, void *arm);
+void layout_to_host(struct layout *layout, const void *arm, void *host);
+void layout_to_arm(struct layout *layout, const void *host, void *arm);
 
 /// Writes the layout as assertions in C, for either compiler. arm: the sizes over there, else those here.
 void layout_write_assertions(FILE *stream, bool arm);

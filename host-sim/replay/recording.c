@@ -41,7 +41,7 @@ static void write_hex(FILE *file, const uint8_t *bytes, size_t count) {
     }
 }
 
-static void write_struct(FILE *file, const struct layout *layout, const void *host) {
+static void write_struct(FILE *file, struct layout *layout, const void *host) {
     uint8_t arm[BYTES_MAX];
     layout_to_arm(layout, host, arm);
     write_hex(file, arm, layout_arm_bytes(layout));
@@ -155,7 +155,7 @@ static size_t next_bytes(struct reader *reader, uint8_t *bytes, size_t most) {
     return count;
 }
 
-static void next_struct(struct reader *reader, const struct layout *layout, void *host) {
+static void next_struct(struct reader *reader, struct layout *layout, void *host) {
     uint8_t arm[BYTES_MAX] = {0};
     const uint32_t bytes = layout_arm_bytes(layout);
     if (next_bytes(reader, arm, bytes) != bytes) {
