@@ -145,7 +145,7 @@ format: ## Lay out every C file
 size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
 	tests/gate/check/size-table.sh
 
-all: $(B)/boresight ## Build the program (build/boresight)
+all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 

@@ -98,8 +98,8 @@ struct sim *sim_create(const struct sim_config *config) {
     memset(&sim->shadow, 0xA5, sizeof sim->shadow);
     (void)controller_init(&sim->controller, config->controller);
     (void)controller_init(&sim->shadow, config->controller);
-    const bool built = build_controller(sim) && build_axis(sim, AXIS_PAN) &&
-                       build_axis(sim, AXIS_TILT);
+    const bool built =
+        build_controller(sim) && build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT);
     sim_check_init(sim);
     sim_measure_init(sim);
     if (!built) {

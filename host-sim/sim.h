@@ -32,8 +32,8 @@ struct sim_command {
 struct sim;
 
 /// What runs the controller instead of the simulator's own pump: an emulated board
-/// (mcu/mcu_board.h). It is switched on at time 0, keeps its own time, and tells of each tick of its
-/// controller by sim_board_start and sim_board_tick.
+/// (mcu/mcu_board.h). It is switched on at time 0, keeps its own time, and tells of each tick of
+/// its controller by sim_board_start and sim_board_tick.
 struct sim_board {
     /// Puts the board's CAN controller on sim->bus. False: the bus is full.
     bool (*attach)(void *context, struct sim *sim);
@@ -51,10 +51,10 @@ struct sim_config {
     const struct sim_command *commands; ///< ascending in time
     size_t command_count;
     uint64_t seed;
-    uint32_t start_us;     ///< of the controller's clock: 0xFFFF0000 tests its wrap
-    double can_loss;       ///< probability that a frame is lost
-    double start_deg[2];   ///< pan and tilt at power-on
-    double fixed_focal_mm; ///< of the camera when there is no zoom axis
+    uint32_t start_us;             ///< of the controller's clock: 0xFFFF0000 tests its wrap
+    double can_loss;               ///< probability that a frame is lost
+    double start_deg[2];           ///< pan and tilt at power-on
+    double fixed_focal_mm;         ///< of the camera when there is no zoom axis
     const struct sim_board *board; ///< NULL: the simulator runs the controller
     struct recorder *recorder;     ///< gets every tick's input and output; NULL: nobody does
 };
@@ -178,8 +178,8 @@ bool sim_push(struct sim *sim, const struct target_update *update);
 /// From a board: its controller begins (again), with these settings, which must last.
 void sim_board_start(struct sim *sim, const struct controller_config *config);
 
-/// From a board: its controller took a step. The invariants are checked against what it put out, and a
-/// controller of this build gets the same input and must put out the same.
+/// From a board: its controller took a step. The invariants are checked against what it put out,
+/// and a controller of this build gets the same input and must put out the same.
 struct sim_board_tick {
     const struct controller_input *input;
     const struct controller_output *output;

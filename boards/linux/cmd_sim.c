@@ -344,7 +344,8 @@ static enum exit_status run_command(const struct command *command, int argc, cha
     if (settings.replay != NULL) {
         return replay_file(command, settings.replay, settings.json);
     }
-    if (settings.mcu.image == NULL && (settings.mcu.faults != NULL || settings.mcu.console != NULL)) {
+    if (settings.mcu.image == NULL &&
+        (settings.mcu.faults != NULL || settings.mcu.console != NULL)) {
         message_command(command->name, "--mcu-faults and --mcu-console belong to --mcu");
         return EXIT_STATUS_USAGE;
     }

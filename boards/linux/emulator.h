@@ -1,8 +1,8 @@
 /// `boresight sim --mcu IMAGE`: the controller runs in an emulated microcontroller.
 ///
 /// The emulator is another program, boresight-mcu, because it links a library under the GPL.
-/// `boresight` runs that in its place, from its own folder and with the same arguments. It is the same program
-/// again, but for the emulator that it brings along (host-sim/mcu/program.c).
+/// `boresight` runs that in its place, from its own folder and with the same arguments. It is the
+/// same program again, but for the emulator that it brings along (host-sim/mcu/program.c).
 #ifndef LINUX_EMULATOR_H
 #define LINUX_EMULATOR_H
 
@@ -20,7 +20,8 @@ struct emulator_options {
 struct emulator {
     /// What the help of --mcu-faults lists.
     const char *(*fault_names)(void);
-    /// Switches a board on. Errors are told on stderr. *board: for sim_config; *handle: for the others.
+    /// Switches a board on. Errors are told on stderr. *board: for sim_config; *handle: for the
+    /// others.
     enum exit_status (*open)(const struct emulator_options *options,
                              const struct controller_config *rig, const struct sim_board **board,
                              void **handle);

@@ -4,36 +4,36 @@
 
 #include <string.h>
 
-#define MCR_INRQ      (UINT32_C(1) << 0)
-#define MCR_SLEEP     (UINT32_C(1) << 1)
-#define MCR_ABOM      (UINT32_C(1) << 6)
-#define MCR_TTCM      (UINT32_C(1) << 7)
-#define MCR_RESET     (UINT32_C(1) << 15)
-#define MCR_AT_RESET  0x00010002U
-#define MCR_BITS      0x000100FFU
-#define MSR_INAK      (UINT32_C(1) << 0)
-#define MSR_SLAK      (UINT32_C(1) << 1)
-#define MSR_ERRI      (UINT32_C(1) << 2)
-#define MSR_WKUI      (UINT32_C(1) << 3)
-#define MSR_SLAKI     (UINT32_C(1) << 4)
-#define MSR_TXM       (UINT32_C(1) << 8)
-#define MSR_LINE      0xC00U // SAMP and RX: recessive
-#define IER_BITS      0x00038F7FU
-#define IER_EWGIE     (UINT32_C(1) << 8)
-#define IER_EPVIE     (UINT32_C(1) << 9)
-#define IER_BOFIE     (UINT32_C(1) << 10)
-#define IER_LECIE     (UINT32_C(1) << 11)
-#define IER_ERRIE     (UINT32_C(1) << 15)
-#define IER_WKUIE     (UINT32_C(1) << 16)
-#define IER_SLKIE     (UINT32_C(1) << 17)
-#define BTR_AT_RESET  0x01230000U
-#define BTR_BITS      0xC37F03FFU
-#define BTR_LBKM      (UINT32_C(1) << 30)
-#define BTR_SILM      (UINT32_C(1) << 31)
-#define TSR_ALL_RQCP  0x00010101U
-#define ESR_EWGF      1U
-#define ESR_EPVF      2U
-#define ESR_BOFF      4U
+#define MCR_INRQ           (UINT32_C(1) << 0)
+#define MCR_SLEEP          (UINT32_C(1) << 1)
+#define MCR_ABOM           (UINT32_C(1) << 6)
+#define MCR_TTCM           (UINT32_C(1) << 7)
+#define MCR_RESET          (UINT32_C(1) << 15)
+#define MCR_AT_RESET       0x00010002U
+#define MCR_BITS           0x000100FFU
+#define MSR_INAK           (UINT32_C(1) << 0)
+#define MSR_SLAK           (UINT32_C(1) << 1)
+#define MSR_ERRI           (UINT32_C(1) << 2)
+#define MSR_WKUI           (UINT32_C(1) << 3)
+#define MSR_SLAKI          (UINT32_C(1) << 4)
+#define MSR_TXM            (UINT32_C(1) << 8)
+#define MSR_LINE           0xC00U // SAMP and RX: recessive
+#define IER_BITS           0x00038F7FU
+#define IER_EWGIE          (UINT32_C(1) << 8)
+#define IER_EPVIE          (UINT32_C(1) << 9)
+#define IER_BOFIE          (UINT32_C(1) << 10)
+#define IER_LECIE          (UINT32_C(1) << 11)
+#define IER_ERRIE          (UINT32_C(1) << 15)
+#define IER_WKUIE          (UINT32_C(1) << 16)
+#define IER_SLKIE          (UINT32_C(1) << 17)
+#define BTR_AT_RESET       0x01230000U
+#define BTR_BITS           0xC37F03FFU
+#define BTR_LBKM           (UINT32_C(1) << 30)
+#define BTR_SILM           (UINT32_C(1) << 31)
+#define TSR_ALL_RQCP       0x00010101U
+#define ESR_EWGF           1U
+#define ESR_EPVF           2U
+#define ESR_BOFF           4U
 #define RECOVERY_STRETCHES 128U
 
 static bool in_init(const struct bxcan *can) {
@@ -128,8 +128,8 @@ static void begin_waiting(struct bxcan *can) {
 }
 
 static bool is_busy(const struct bxcan *can) {
-    return can->on_wire >= 0 || (bxcan_listens(can) && can->port != NULL &&
-                                 can->port->busy(can->port->context));
+    return can->on_wire >= 0 ||
+           (bxcan_listens(can) && can->port != NULL && can->port->busy(can->port->context));
 }
 
 /// Which of MSR's modes MCR asks for: MSR_SLAK, MSR_INAK or 0 (normal).
@@ -171,8 +171,7 @@ static void change_mode(struct bxcan *can) {
         return;
     }
     can->synchronising = false;
-    if (is_busy(can) ||
-        (wanted == MSR_INAK && (can->soc->options.stuck & SOC_STUCK_CAN) != 0U)) {
+    if (is_busy(can) || (wanted == MSR_INAK && (can->soc->options.stuck & SOC_STUCK_CAN) != 0U)) {
         can->mode_change_ns = SOC_NEVER; // looked at again when the frame has ended
     } else if (can->mode_change_ns == SOC_NEVER) {
         can->mode_change_ns = now + bit_ns(can);

@@ -1,17 +1,17 @@
 /// The CAN controllers (bxCAN) and their filters.
 ///
 /// Source: RM0090, chapter 32; error counters: Bosch CAN 2.0B, section 8. Three mailboxes sent by
-/// identifier or in order (TXFP), abort, single shot (NART); two receive queues of three with overrun and lock
-/// (RFLM); 28 filter banks in all four kinds with their numbers and priorities; error counters,
-/// error passive, bus-off and the way back (ABOM or by software); sleep, initialisation, silent and loop-back
-/// modes; all interrupts.
+/// identifier or in order (TXFP), abort, single shot (NART); two receive queues of three with
+/// overrun and lock (RFLM); 28 filter banks in all four kinds with their numbers and priorities;
+/// error counters, error passive, bus-off and the way back (ABOM or by software); sleep,
+/// initialisation, silent and loop-back modes; all interrupts.
 ///
-/// The model knows no wires: a bus (can_port.h, or a test) asks bxcan_next for what should be sent and tells
-/// what happened. Without one the bus is silent and nobody acknowledges.
-/// Left out: time-triggered mode (complains), waking by the bus, in loop-back mode without silent mode
-/// the copy of the frames on the bus. What the manual leaves open: in bus-off and in
-/// initialisation mode mailboxes stay pending.
-/// Shown: tests/mcu/bxcan.c, tests/mcu/bxcan_filters.c, tests/mcu/bxcan_errors.c.
+/// The model knows no wires: a bus (can_port.h, or a test) asks bxcan_next for what should be sent
+/// and tells what happened. Without one the bus is silent and nobody acknowledges. Left out:
+/// time-triggered mode (complains), waking by the bus, in loop-back mode without silent mode the
+/// copy of the frames on the bus. What the manual leaves open: in bus-off and in initialisation
+/// mode mailboxes stay pending. Shown: tests/mcu/bxcan.c, tests/mcu/bxcan_filters.c,
+/// tests/mcu/bxcan_errors.c.
 #ifndef MCU_BXCAN_H
 #define MCU_BXCAN_H
 
@@ -75,7 +75,7 @@ struct bxcan {
     uint32_t lec;
     bool lec_is_new;     ///< set by the hardware since the last look
     uint32_t seen_flags; ///< of ESR, at the last look
-    uint32_t tec; ///< up to 256 and more: bus-off
+    uint32_t tec;        ///< up to 256 and more: bus-off
     uint32_t rec;
     bool bus_off;
     struct bxcan_mailbox mailbox[BXCAN_MAILBOXES];
@@ -101,8 +101,8 @@ void bxcan_connect(struct bxcan *can, const struct bxcan_port *port);
 /// Length of a bit as programmed, in picoseconds.
 uint64_t bxcan_bit_ps(const struct bxcan *can);
 
-/// Does it drive the bus: acknowledge, send, destroy? Not in sleep, initialisation, silent or loop-back
-/// mode nor in bus-off.
+/// Does it drive the bus: acknowledge, send, destroy? Not in sleep, initialisation, silent or
+/// loop-back mode nor in bus-off.
 bool bxcan_takes_part(const struct bxcan *can);
 /// Does it hear the bus?
 bool bxcan_listens(const struct bxcan *can);

@@ -84,8 +84,7 @@ static uint32_t wide_view(const struct can_frame *frame) {
 
 /// And a 16-bit one: STID, RTR, IDE, EXID[17:15].
 static uint32_t narrow_view(uint32_t wide) {
-    return (wide >> 16 & 0xFFE0U) | (wide & ID_RTR) << 3 | (wide & ID_IDE) << 1 |
-           (wide >> 18 & 7U);
+    return (wide >> 16 & 0xFFE0U) | (wide & ID_RTR) << 3 | (wide & ID_IDE) << 1 | (wide >> 18 & 7U);
 }
 
 /// Which of a bank's filters (0 to 3) passes; -1: none.
@@ -132,8 +131,8 @@ struct bxcan_match bxcan_filters_match(const struct bxcan_filters *filters, unsi
         const int which =
             (filters->active >> bank & 1U) != 0U ? match_bank(filters, bank, wide) : -1;
         // 32 bits before 16, then lists before masks, then the lower number.
-        const unsigned rank = 2U * (1U - (filters->scale_32 >> bank & 1U)) +
-                              (1U - (filters->list_mode >> bank & 1U));
+        const unsigned rank =
+            2U * (1U - (filters->scale_32 >> bank & 1U)) + (1U - (filters->list_mode >> bank & 1U));
         if (which >= 0 && rank < best_rank) {
             best_rank = rank;
             best = (struct bxcan_match){true, (uint8_t)fifo,

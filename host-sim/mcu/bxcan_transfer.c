@@ -18,7 +18,7 @@
 #define LENGTH_BITS     0xFFFF010FU
 #define TEC_BUS_OFF     256U
 #define REC_PASSIVE     128U
-#define REC_AFTER_RIGHT 127U
+#define REC_AFTER_RIGHT 120U
 
 // ---------------------------------------------------------------- error counters
 
@@ -42,7 +42,7 @@ void bxcan_count_success(struct bxcan *can, bool as_sender) {
     can->lec = BXCAN_LEC_NONE;
     if (as_sender) {
         can->tec -= can->tec != 0U ? 1U : 0U;
-    } else if (can->rec >= REC_PASSIVE) {
+    } else if (can->rec > REC_PASSIVE) {
         can->rec = REC_AFTER_RIGHT;
     } else {
         can->rec -= can->rec != 0U ? 1U : 0U;
@@ -138,8 +138,7 @@ void bxcan_end(struct bxcan *can, enum bxcan_result result) {
         complete(can, (unsigned)m, TSR_TXOK);
     } else {
         bxcan_count_error(can, true,
-                          result == BXCAN_NO_ACKNOWLEDGE ? BXCAN_LEC_ACK
-                                                         : BXCAN_LEC_BIT_RECESSIVE);
+                          result == BXCAN_NO_ACKNOWLEDGE ? BXCAN_LEC_ACK : BXCAN_LEC_BIT_RECESSIVE);
         fail(can, (unsigned)m, TSR_TERR);
     }
     bxcan_settle(can);

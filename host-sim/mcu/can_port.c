@@ -82,8 +82,7 @@ static void talk_alone(struct can_port *port, int mailbox, const struct can_fram
     const uint64_t bits = can_frame_bits(&port->bus->timing, frame) + ERROR_FRAME_BITS +
                           INTERMISSION_BITS + (port->can->tec > 127U ? SUSPEND_BITS : 0U);
     port->alone_result = silent_bus && !port->shorted ? BXCAN_NO_ACKNOWLEDGE : BXCAN_BIT_ERROR;
-    port->alone_end_ns =
-        soc_now_ns(port->soc) + bits * bxcan_bit_ps(port->can) / UINT64_C(1000);
+    port->alone_end_ns = soc_now_ns(port->soc) + bits * bxcan_bit_ps(port->can) / UINT64_C(1000);
     bxcan_begin(port->can, mailbox);
 }
 

@@ -1,11 +1,10 @@
 /// The wires between an emulated CAN controller and the simulated bus (devices/can_bus.h).
 ///
-/// The controller's best mailbox waits at the bus and competes there, bit for bit, with the drives. A
-/// controller whose pins are not connected, whose bit rate differs from the bus's by more than 0.5 %, or
-/// that is cut off, talks to itself: its frames end in bit errors, or in no acknowledgement when it is
-/// merely alone.
-/// Left out: what a controller with a wrong bit rate does to the frames of others.
-/// Shown: tests/mcu/can_port.c.
+/// The controller's best mailbox waits at the bus and competes there, bit for bit, with the drives.
+/// A controller whose pins are not connected, whose bit rate differs from the bus's by more than
+/// 0.5 %, or that is cut off, talks to itself: its frames end in bit errors, or in no
+/// acknowledgement when it is merely alone. Left out: what a controller with a wrong bit rate does
+/// to the frames of others. Shown: tests/mcu/can_port.c.
 #ifndef MCU_CAN_PORT_H
 #define MCU_CAN_PORT_H
 
@@ -35,8 +34,8 @@ struct can_port {
     void *fault_context, *observer_context;
 };
 
-/// Attaches the controller to the bus, whose fault hook and observer it takes and passes on. False: the bus is
-/// full. Must not move.
+/// Attaches the controller to the bus, whose fault hook and observer it takes and passes on. False:
+/// the bus is full. Must not move.
 bool can_port_init(struct can_port *port, struct soc *soc, unsigned index, struct can_bus *bus,
                    unsigned tx_pin, unsigned rx_pin);
 

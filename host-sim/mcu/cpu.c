@@ -5,26 +5,28 @@
 #include <string.h>
 #include <unicorn/unicorn.h>
 
-#define SYSTEM_BASE  0x1FFF7000U
-#define SYSTEM_BYTES 0x1000U
+#define SYSTEM_BASE   0x1FFF7000U
+#define SYSTEM_BYTES  0x1000U
 #define NEVER_REACHED 0xFFFF0000U
 
 /// What libunicorn calls the reasons for its interrupt hook.
 enum { INTERRUPT_SVC = 2, INTERRUPT_BKPT = 7, INTERRUPT_RETURN = 8 };
 
-#define WFI  0xBF30U
-#define WFE  0xBF20U
+#define WFI   0xBF30U
+#define WFE   0xBF20U
 #define YIELD 0xBF10U
 
 // ---------------------------------------------------------------- memory
 
 /// Where an address is on the host; NULL: not all of it is in one memory.
 static uint8_t *memory_at(const struct cpu *cpu, uint32_t address, uint32_t size_bytes) {
-    const struct { uint32_t base, size; uint8_t *bytes; } memories[] = {
-        {CPU_FLASH_BASE, CPU_FLASH_BYTES, cpu->flash},
-        {CPU_RAM_BASE, CPU_RAM_BYTES, cpu->ram},
-        {CPU_CCM_BASE, CPU_CCM_BYTES, cpu->ccm},
-        {SYSTEM_BASE, SYSTEM_BYTES, cpu->system}};
+    const struct {
+        uint32_t base, size;
+        uint8_t *bytes;
+    } memories[] = {{CPU_FLASH_BASE, CPU_FLASH_BYTES, cpu->flash},
+                    {CPU_RAM_BASE, CPU_RAM_BYTES, cpu->ram},
+                    {CPU_CCM_BASE, CPU_CCM_BYTES, cpu->ccm},
+                    {SYSTEM_BASE, SYSTEM_BYTES, cpu->system}};
     for (unsigned i = 0; i < sizeof memories / sizeof *memories; i++) {
         const uint32_t at = address - memories[i].base;
         if (at <= memories[i].size && memories[i].size - at >= size_bytes) {
@@ -61,9 +63,9 @@ static uint16_t half_at(const struct cpu *cpu, uint32_t address) {
 // ---------------------------------------------------------------- registers
 
 uint32_t cpu_register(struct cpu *cpu, unsigned number) {
-    static const int ids[] = {UC_ARM_REG_R0, UC_ARM_REG_R1,  UC_ARM_REG_R2,  UC_ARM_REG_R3,
-                              UC_ARM_REG_R4, UC_ARM_REG_R5,  UC_ARM_REG_R6,  UC_ARM_REG_R7,
-                              UC_ARM_REG_R8, UC_ARM_REG_R9,  UC_ARM_REG_R10, UC_ARM_REG_R11,
+    static const int ids[] = {UC_ARM_REG_R0,  UC_ARM_REG_R1, UC_ARM_REG_R2,  UC_ARM_REG_R3,
+                              UC_ARM_REG_R4,  UC_ARM_REG_R5, UC_ARM_REG_R6,  UC_ARM_REG_R7,
+                              UC_ARM_REG_R8,  UC_ARM_REG_R9, UC_ARM_REG_R10, UC_ARM_REG_R11,
                               UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_LR,  UC_ARM_REG_PC};
     uint32_t value = 0;
     (void)uc_reg_read(cpu->engine, ids[number & 15U], &value);
@@ -385,7 +387,8 @@ static bool map(struct cpu *cpu) {
     bool mapped =
         uc_mem_map_ptr(engine, CPU_FLASH_BASE, CPU_FLASH_BYTES, UC_PROT_READ | UC_PROT_EXEC,
                        cpu->flash) == UC_ERR_OK &&
-        uc_mem_map_ptr(engine, CPU_RAM_BASE, CPU_RAM_BYTES, UC_PROT_READ | UC_PROT_WRITE, cpu->ram) == UC_ERR_OK &&
+        uc_mem_map_ptr(engine, CPU_RAM_BASE, CPU_RAM_BYTES, UC_PROT_READ | UC_PROT_WRITE,
+                       cpu->ram) == UC_ERR_OK &&
         uc_mem_map_ptr(engine, CPU_CCM_BASE, CPU_CCM_BYTES, UC_PROT_READ | UC_PROT_WRITE,
                        cpu->ccm) == UC_ERR_OK &&
         uc_mem_map_ptr(engine, SYSTEM_BASE, SYSTEM_BYTES, UC_PROT_READ, cpu->system) == UC_ERR_OK;

@@ -1,17 +1,16 @@
 /// The processor: a Cortex-M4 (no floating point) that runs machine code by libunicorn, with
 /// exceptions of our own.
 ///
-/// libunicorn knows instructions; entry to and return from exceptions, sleep, faults and lock-up are
-/// here, from the ARMv7-M Architecture Reference Manual, B1.5. An instruction takes one cycle, an
-/// exception's entry 12 and its return 10 (6 from one to the next): an idea of the speed, no
+/// libunicorn knows instructions; entry to and return from exceptions, sleep, faults and lock-up
+/// are here, from the ARMv7-M Architecture Reference Manual, B1.5. An instruction takes one cycle,
+/// an exception's entry 12 and its return 10 (6 from one to the next): an idea of the speed, no
 /// measurement. Time and interrupts are looked at between basic blocks (runs of instructions
-/// without a jump), so an interrupt comes a few instructions late, and all register accesses in a block
-/// happen at its end.
-/// A fault's frame has the address of the block's beginning, unless `exact` was asked for (about four times
-/// slower). Not caught, though a real processor would: unaligned LDM and STM, division
-/// by zero with its trap on, floating-point instructions while the unit is off.
-/// Address 0 is not mapped, so that a null pointer faults (a real chip shows the flash there).
-/// Shown: tests/mcu/exceptions.c; against QEMU's processor: tests/mcu/second_opinion.sh.
+/// without a jump), so an interrupt comes a few instructions late, and all register accesses in a
+/// block happen at its end. A fault's frame has the address of the block's beginning, unless
+/// `exact` was asked for (about four times slower). Not caught, though a real processor would:
+/// unaligned LDM and STM, division by zero with its trap on, floating-point instructions while the
+/// unit is off. Address 0 is not mapped, so that a null pointer faults (a real chip shows the flash
+/// there). Shown: tests/mcu/exceptions.c; against QEMU's processor: tests/mcu/second_opinion.sh.
 #ifndef MCU_CPU_H
 #define MCU_CPU_H
 
@@ -70,7 +69,8 @@ struct cpu {
     void *watcher_context;
 
     /// Code that runs at this group priority or a lower one (a higher number) makes no headway: a
-    /// program that hangs. NVIC_PRIORITY_THREAD: everything but handlers; above: nothing. See cpu_hang.
+    /// program that hangs. NVIC_PRIORITY_THREAD: everything but handlers; above: nothing. See
+    /// cpu_hang.
     int hangs_from;
 };
 
@@ -81,15 +81,16 @@ void cpu_free(struct cpu *cpu);
 /// Starts at the reset vector. Memory stays as it is.
 void cpu_reset(struct cpu *cpu);
 
-/// Runs until a time since power-on, at most 100 s ahead, and up to one basic block farther. Carries out
-/// resets on the way.
+/// Runs until a time since power-on, at most 100 s ahead, and up to one basic block farther.
+/// Carries out resets on the way.
 void cpu_run(struct cpu *cpu, uint64_t until_ns);
 
-/// From now on the watcher is (not) called for this address, which must be in the flash and the target of a
-/// call, a jump or a return.
+/// From now on the watcher is (not) called for this address, which must be in the flash and the
+/// target of a call, a jump or a return.
 void cpu_watch(struct cpu *cpu, uint32_t address, bool on);
 
-/// Instructions since power-on. An instruction is a cycle, and what else takes cycles is kept apart.
+/// Instructions since power-on. An instruction is a cycle, and what else takes cycles is kept
+/// apart.
 static inline uint64_t cpu_instructions(const struct cpu *cpu) {
     return cpu->soc->cycle - cpu->soc->slept_cycles - cpu->other_cycles;
 }
@@ -108,7 +109,8 @@ bool cpu_store(struct cpu *cpu, uint32_t address, const void *from, uint32_t siz
 
 /// Takes an exception that is pending, if it may go now. pc: of the next instruction.
 bool cpu_take_pending(struct cpu *cpu, uint32_t pc);
-/// An exception that an instruction caused; becomes a hard fault, or a lock-up, if it can't be taken.
+/// An exception that an instruction caused; becomes a hard fault, or a lock-up, if it can't be
+/// taken.
 void cpu_raise(struct cpu *cpu, unsigned exception, uint32_t pc);
 /// A return from an exception: exc_return is what was written to PC.
 void cpu_return(struct cpu *cpu, uint32_t exc_return);

@@ -96,7 +96,9 @@ static void enter(struct cpu *cpu, unsigned exception, uint32_t pc) {
     }
     cpu_spend(cpu, ENTRY_CYCLES);
     start_handler(cpu, exception,
-                  in_handler ? RETURN_HANDLER : on_psp ? RETURN_THREAD_PSP : RETURN_THREAD_MAIN);
+                  in_handler ? RETURN_HANDLER
+                  : on_psp   ? RETURN_THREAD_PSP
+                             : RETURN_THREAD_MAIN);
 }
 
 bool cpu_take_pending(struct cpu *cpu, uint32_t pc) {
@@ -152,8 +154,7 @@ static void restore(struct cpu *cpu, uint32_t exc_return) {
         refuse_return(cpu, exc_return);
         return;
     }
-    const bool aligned =
-        (xpsr & XPSR_ALIGNED) != 0U && (cpu->soc->scb.ccr & CCR_STKALIGN) != 0U;
+    const bool aligned = (xpsr & XPSR_ALIGNED) != 0U && (cpu->soc->scb.ccr & CCR_STKALIGN) != 0U;
     for (unsigned i = 0; i < sizeof ids / sizeof *ids; i++) {
         set(cpu, ids[i], frame[i]);
     }
@@ -173,8 +174,8 @@ void cpu_return(struct cpu *cpu, uint32_t exc_return) {
     struct nvic *nvic = &cpu->soc->nvic;
     const unsigned exception = get(cpu, UC_ARM_REG_XPSR) & XPSR_EXCEPTION;
     const bool to_handler = exc_return == RETURN_HANDLER;
-    const bool known = to_handler || exc_return == RETURN_THREAD_MAIN ||
-                       exc_return == RETURN_THREAD_PSP;
+    const bool known =
+        to_handler || exc_return == RETURN_THREAD_MAIN || exc_return == RETURN_THREAD_PSP;
     const unsigned active = nvic_active_count(nvic);
     if (!known || exception == 0U || !nvic_test(nvic->active, exception) ||
         to_handler != (active > 1U)) {

@@ -1,8 +1,7 @@
 /// Edges on pins as interrupts, and the register that says of which port's pins.
 ///
-/// Source: RM0090, chapters 9 (SYSCFG) and 12 (EXTI). Lines 0 to 15. Left out: events, lines 16 to 22,
-/// the memory remap (kept, without effect).
-/// Shown: tests/mcu/system_parts.c.
+/// Source: RM0090, chapters 9 (SYSCFG) and 12 (EXTI). Lines 0 to 15. Left out: events, lines 16 to
+/// 22, the memory remap (kept, without effect). Shown: tests/mcu/system_parts.c.
 #ifndef MCU_EXTI_H
 #define MCU_EXTI_H
 

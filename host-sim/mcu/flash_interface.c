@@ -2,18 +2,18 @@
 
 #include "mcu/soc.h"
 
-#define ACR_BITS     0x1F07U
-#define ACR_LATENCY  7U
-#define SR_FLAGS     0xF3U
-#define CR_LOCK      (UINT32_C(1) << 31)
-#define CR_BITS      0x0300037FU
-#define CR_WORKS     0x00010007U // PG, SER, MER, STRT
-#define OPTCR_LOCK   1U
-#define OPTCR_RESET  0x0FFFAAEDU
-#define KEY1         0x45670123U
-#define KEY2         0xCDEF89ABU
-#define OPTION_KEY1  0x08192A3BU
-#define OPTION_KEY2  0x4C5D6E7FU
+#define ACR_BITS    0x1F07U
+#define ACR_LATENCY 7U
+#define SR_FLAGS    0xF3U
+#define CR_LOCK     (UINT32_C(1) << 31)
+#define CR_BITS     0x0300037FU
+#define CR_WORKS    0x00010007U // PG, SER, MER, STRT
+#define OPTCR_LOCK  1U
+#define OPTCR_RESET 0x0FFFAAEDU
+#define KEY1        0x45670123U
+#define KEY2        0xCDEF89ABU
+#define OPTION_KEY1 0x08192A3BU
+#define OPTION_KEY2 0x4C5D6E7FU
 
 void flash_interface_reset(struct flash_interface *flash, struct soc *soc) {
     *flash = (struct flash_interface){.soc = soc, .cr = CR_LOCK, .optcr = OPTCR_RESET};

@@ -1,8 +1,7 @@
 /// The flash interface: wait states, caches, and the locks of the control registers.
 ///
-/// Source: RM0090, chapter 3 (F405/407). Left out: programming and erasing (CR.PG, SER, MER and STRT
-/// complain); the image is in the flash from the start.
-/// Shown: tests/mcu/system_parts.c.
+/// Source: RM0090, chapter 3 (F405/407). Left out: programming and erasing (CR.PG, SER, MER and
+/// STRT complain); the image is in the flash from the start. Shown: tests/mcu/system_parts.c.
 #ifndef MCU_FLASH_INTERFACE_H
 #define MCU_FLASH_INTERFACE_H
 

@@ -15,33 +15,49 @@ struct alternate {
 };
 
 #define TIM(port, number, af, timer, channel)                                                      \
-    { GPIO_PIN(port, number), af, {GPIO_SIGNAL_TIMER, (timer)-1, (channel)-1} }
+    {                                                                                              \
+        GPIO_PIN(port, number), af, {                                                              \
+            GPIO_SIGNAL_TIMER, (timer)-1, (channel)-1                                              \
+        }                                                                                          \
+    }
 #define TX(port, number, af, usart)                                                                \
-    { GPIO_PIN(port, number), af, {GPIO_SIGNAL_USART_TX, (usart)-1, 0} }
+    {                                                                                              \
+        GPIO_PIN(port, number), af, {                                                              \
+            GPIO_SIGNAL_USART_TX, (usart)-1, 0                                                     \
+        }                                                                                          \
+    }
 #define RX(port, number, af, usart)                                                                \
-    { GPIO_PIN(port, number), af, {GPIO_SIGNAL_USART_RX, (usart)-1, 0} }
+    {                                                                                              \
+        GPIO_PIN(port, number), af, {                                                              \
+            GPIO_SIGNAL_USART_RX, (usart)-1, 0                                                     \
+        }                                                                                          \
+    }
 #define CAN(port, number, direction, can)                                                          \
-    { GPIO_PIN(port, number), 9, {GPIO_SIGNAL_CAN_##direction, (can)-1, 0} }
+    {                                                                                              \
+        GPIO_PIN(port, number), 9, {                                                               \
+            GPIO_SIGNAL_CAN_##direction, (can)-1, 0                                                \
+        }                                                                                          \
+    }
 
 static const struct alternate alternates[] = {
-    TIM('A', 8, 1, 1, 1),   TIM('A', 9, 1, 1, 2),   TIM('A', 10, 1, 1, 3),  TIM('A', 11, 1, 1, 4),
-    TIM('E', 9, 1, 1, 1),   TIM('E', 11, 1, 1, 2),  TIM('E', 13, 1, 1, 3),  TIM('E', 14, 1, 1, 4),
-    TIM('A', 0, 1, 2, 1),   TIM('A', 5, 1, 2, 1),   TIM('A', 15, 1, 2, 1),  TIM('A', 1, 1, 2, 2),
-    TIM('B', 3, 1, 2, 2),   TIM('A', 2, 1, 2, 3),   TIM('B', 10, 1, 2, 3),  TIM('A', 3, 1, 2, 4),
-    TIM('B', 11, 1, 2, 4),  TIM('A', 6, 2, 3, 1),   TIM('B', 4, 2, 3, 1),   TIM('C', 6, 2, 3, 1),
-    TIM('A', 7, 2, 3, 2),   TIM('B', 5, 2, 3, 2),   TIM('C', 7, 2, 3, 2),   TIM('B', 0, 2, 3, 3),
-    TIM('C', 8, 2, 3, 3),   TIM('B', 1, 2, 3, 4),   TIM('C', 9, 2, 3, 4),   TIM('B', 6, 2, 4, 1),
-    TIM('D', 12, 2, 4, 1),  TIM('B', 7, 2, 4, 2),   TIM('D', 13, 2, 4, 2),  TIM('B', 8, 2, 4, 3),
-    TIM('D', 14, 2, 4, 3),  TIM('B', 9, 2, 4, 4),   TIM('D', 15, 2, 4, 4),  TIM('A', 0, 2, 5, 1),
-    TIM('A', 1, 2, 5, 2),   TIM('A', 2, 2, 5, 3),   TIM('A', 3, 2, 5, 4),   TX('A', 9, 7, 1),
-    TX('B', 6, 7, 1),       RX('A', 10, 7, 1),      RX('B', 7, 7, 1),       TX('A', 2, 7, 2),
-    TX('D', 5, 7, 2),       RX('A', 3, 7, 2),       RX('D', 6, 7, 2),       TX('B', 10, 7, 3),
-    TX('C', 10, 7, 3),      TX('D', 8, 7, 3),       RX('B', 11, 7, 3),      RX('C', 11, 7, 3),
-    RX('D', 9, 7, 3),       TX('A', 0, 8, 4),       TX('C', 10, 8, 4),      RX('A', 1, 8, 4),
-    RX('C', 11, 8, 4),      TX('C', 12, 8, 5),      RX('D', 2, 8, 5),       TX('C', 6, 8, 6),
-    TX('G', 14, 8, 6),      RX('C', 7, 8, 6),       RX('G', 9, 8, 6),       CAN('A', 12, TX, 1),
-    CAN('B', 9, TX, 1),     CAN('D', 1, TX, 1),     CAN('A', 11, RX, 1),    CAN('B', 8, RX, 1),
-    CAN('D', 0, RX, 1),     CAN('B', 6, TX, 2),     CAN('B', 13, TX, 2),    CAN('B', 5, RX, 2),
+    TIM('A', 8, 1, 1, 1),  TIM('A', 9, 1, 1, 2),  TIM('A', 10, 1, 1, 3), TIM('A', 11, 1, 1, 4),
+    TIM('E', 9, 1, 1, 1),  TIM('E', 11, 1, 1, 2), TIM('E', 13, 1, 1, 3), TIM('E', 14, 1, 1, 4),
+    TIM('A', 0, 1, 2, 1),  TIM('A', 5, 1, 2, 1),  TIM('A', 15, 1, 2, 1), TIM('A', 1, 1, 2, 2),
+    TIM('B', 3, 1, 2, 2),  TIM('A', 2, 1, 2, 3),  TIM('B', 10, 1, 2, 3), TIM('A', 3, 1, 2, 4),
+    TIM('B', 11, 1, 2, 4), TIM('A', 6, 2, 3, 1),  TIM('B', 4, 2, 3, 1),  TIM('C', 6, 2, 3, 1),
+    TIM('A', 7, 2, 3, 2),  TIM('B', 5, 2, 3, 2),  TIM('C', 7, 2, 3, 2),  TIM('B', 0, 2, 3, 3),
+    TIM('C', 8, 2, 3, 3),  TIM('B', 1, 2, 3, 4),  TIM('C', 9, 2, 3, 4),  TIM('B', 6, 2, 4, 1),
+    TIM('D', 12, 2, 4, 1), TIM('B', 7, 2, 4, 2),  TIM('D', 13, 2, 4, 2), TIM('B', 8, 2, 4, 3),
+    TIM('D', 14, 2, 4, 3), TIM('B', 9, 2, 4, 4),  TIM('D', 15, 2, 4, 4), TIM('A', 0, 2, 5, 1),
+    TIM('A', 1, 2, 5, 2),  TIM('A', 2, 2, 5, 3),  TIM('A', 3, 2, 5, 4),  TX('A', 9, 7, 1),
+    TX('B', 6, 7, 1),      RX('A', 10, 7, 1),     RX('B', 7, 7, 1),      TX('A', 2, 7, 2),
+    TX('D', 5, 7, 2),      RX('A', 3, 7, 2),      RX('D', 6, 7, 2),      TX('B', 10, 7, 3),
+    TX('C', 10, 7, 3),     TX('D', 8, 7, 3),      RX('B', 11, 7, 3),     RX('C', 11, 7, 3),
+    RX('D', 9, 7, 3),      TX('A', 0, 8, 4),      TX('C', 10, 8, 4),     RX('A', 1, 8, 4),
+    RX('C', 11, 8, 4),     TX('C', 12, 8, 5),     RX('D', 2, 8, 5),      TX('C', 6, 8, 6),
+    TX('G', 14, 8, 6),     RX('C', 7, 8, 6),      RX('G', 9, 8, 6),      CAN('A', 12, TX, 1),
+    CAN('B', 9, TX, 1),    CAN('D', 1, TX, 1),    CAN('A', 11, RX, 1),   CAN('B', 8, RX, 1),
+    CAN('D', 0, RX, 1),    CAN('B', 6, TX, 2),    CAN('B', 13, TX, 2),   CAN('B', 5, RX, 2),
     CAN('B', 12, RX, 2),
 };
 
@@ -189,7 +205,8 @@ static void write_lock(struct gpio_port *port, uint32_t value) {
     if (port->locked) {
         return;
     }
-    const bool goes_on = port->lock_step != 0U && pins == port->lckr && key == (port->lock_step == 2U);
+    const bool goes_on =
+        port->lock_step != 0U && pins == port->lckr && key == (port->lock_step == 2U);
     port->lock_step = goes_on ? (uint8_t)(port->lock_step + 1U) : key ? 1U : 0U;
     port->lckr = pins;
     port->locked = port->lock_step == 3U;

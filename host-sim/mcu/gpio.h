@@ -1,10 +1,9 @@
 /// General-purpose pins and which part each is connected to.
 ///
-/// Source: RM0090, chapter 8; the table of alternate functions: STM32F405xx data sheet, table 9, as far
-/// as parts with a model go. A pin outside the chip is driven high, low or not at all by the world
-/// (gpio_drive); an input that nobody drives follows its pull resistor, and reads 0 without one.
-/// Left out: analog functions, speeds (kept), delays.
-/// Shown: tests/mcu/gpio.c.
+/// Source: RM0090, chapter 8; the table of alternate functions: STM32F405xx data sheet, table 9, as
+/// far as parts with a model go. A pin outside the chip is driven high, low or not at all by the
+/// world (gpio_drive); an input that nobody drives follows its pull resistor, and reads 0 without
+/// one. Left out: analog functions, speeds (kept), delays. Shown: tests/mcu/gpio.c.
 #ifndef MCU_GPIO_H
 #define MCU_GPIO_H
 

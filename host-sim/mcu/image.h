@@ -24,9 +24,10 @@ struct image_symbol {
 const char *image_read(struct image *image, const char *path);
 void image_free(struct image *image);
 
-/// Copies what belongs into flash (base to base + size) to where a programmer would put it. Returns: NULL, or
-/// what is wrong.
-const char *image_flash(const struct image *image, uint32_t base, uint8_t *flash, size_t size_bytes);
+/// Copies what belongs into flash (base to base + size) to where a programmer would put it.
+/// Returns: NULL, or what is wrong.
+const char *image_flash(const struct image *image, uint32_t base, uint8_t *flash,
+                        size_t size_bytes);
 
 /// Finds a global or local symbol.
 bool image_symbol(const struct image *image, const char *name, struct image_symbol *symbol);

@@ -41,6 +41,10 @@ static void settle(struct iwdg *iwdg) {
     cross(iwdg, &iwdg->rlr_until_ns, iwdg->rlr, &iwdg->active_rlr);
 }
 
+void iwdg_lsi_started(struct iwdg *iwdg) {
+    settle(iwdg);
+}
+
 static void reload(struct iwdg *iwdg) {
     if (!iwdg->started) {
         return;

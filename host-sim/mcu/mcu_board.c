@@ -35,15 +35,15 @@ static uint32_t pulse_at(struct soc *soc, unsigned pin) {
     if (function.signal != GPIO_SIGNAL_TIMER) {
         return 0;
     }
-    const struct timer_pulse pulse =
-        timer_pulse_of(&soc->timer[function.part], function.channel);
+    const struct timer_pulse pulse = timer_pulse_of(&soc->timer[function.part], function.channel);
     if (pulse.period_cycles == 0U) {
         return 0;
     }
     const uint64_t hz = soc->hclk_hz, second = UINT64_C(1000000000);
     const uint64_t period_ns = pulse.period_cycles * second / hz;
     if (period_ns < PERIOD_NS_MIN || period_ns > PERIOD_NS_MAX) {
-        soc_complain(soc, "a servo output has a period of %llu us", (unsigned long long)period_ns / 1000U);
+        soc_complain(soc, "a servo output has a period of %llu us",
+                     (unsigned long long)period_ns / 1000U);
         return 0;
     }
     return (uint32_t)((pulse.high_cycles * second + hz / 2U) / hz);

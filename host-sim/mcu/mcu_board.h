@@ -1,8 +1,9 @@
-/// An STM32F405 board as the README of boards/stm32f405 wires it, in the simulator: its CAN transceiver on the
-/// simulated bus, its servo outputs to the servos, its switches closed, its console to a file.
+/// An STM32F405 board as the README of boards/stm32f405 wires it, in the simulator: its CAN
+/// transceiver on the simulated bus, its servo outputs to the servos, its switches closed, its
+/// console to a file.
 ///
-/// `struct sim_board` (sim.h) drives it. Targets and commands go in by the probe (probe.h); once the images
-/// have a host link, `push` and `command` in mcu_board.c are where lines go out instead.
+/// `struct sim_board` (sim.h) drives it. Targets and commands go in by the probe (probe.h); once
+/// the images have a host link, `push` and `command` in mcu_board.c are where lines go out instead.
 /// Faults of docs/safety.md that concern the board are switched on here, at a time.
 /// Shown: tests/mcu/board.c, tests/mcu/faults.c, tests/mcu/sim.sh.
 #ifndef MCU_MCU_BOARD_H
@@ -67,13 +68,13 @@ struct mcu_board {
     uint64_t lines, garbled; ///< whole lines, and bytes with a wrong stop bit
 };
 
-/// Switches a board on. Returns: NULL, or what is wrong with the image, to follow its name. Free in any
-/// case. The struct must not move.
+/// Switches a board on. Returns: NULL, or what is wrong with the image, to follow its name. Free in
+/// any case. The struct must not move.
 const char *mcu_board_start(struct mcu_board *board, const struct mcu_board_options *options);
 void mcu_board_free(struct mcu_board *board);
 
-/// Whether the image was built for a rig; NULL, or the name of a setting that differs. What the scenario
-/// decides (arm_on_start) does not count.
+/// Whether the image was built for a rig; NULL, or the name of a setting that differs. What the
+/// scenario decides (arm_on_start) does not count.
 const char *mcu_board_other_rig(const struct mcu_board *board,
                                 const struct controller_config *config);
 

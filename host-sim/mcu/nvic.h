@@ -2,12 +2,11 @@
 ///
 /// Source: ARMv7-M Architecture Reference Manual (DDI 0403E), B1.5 and B3.4; RM0090, table 61
 /// (vector table) and PM0214, 4.3: 82 interrupts, 16 priorities in the upper four bits.
-/// An exception is pending, active, both or neither. The pending one with the lowest priority number
-/// (then the lowest exception number) is taken if its group priority is below the running priority.
-/// Interrupt lines of the STM32's parts are levels: a line that is still high when its handler
-/// returns makes the interrupt pending again.
-/// Left out: unprivileged access (everything is privileged).
-/// Shown: tests/mcu/nvic.c; with a processor tests/mcu/exceptions.c.
+/// An exception is pending, active, both or neither. The pending one with the lowest priority
+/// number (then the lowest exception number) is taken if its group priority is below the running
+/// priority. Interrupt lines of the STM32's parts are levels: a line that is still high when its
+/// handler returns makes the interrupt pending again. Left out: unprivileged access (everything is
+/// privileged). Shown: tests/mcu/nvic.c; with a processor tests/mcu/exceptions.c.
 #ifndef MCU_NVIC_H
 #define MCU_NVIC_H
 
@@ -47,13 +46,13 @@ struct nvic {
     uint8_t group_mask; ///< which bits of a priority decide whether it preempts
 
     // Kept up to date by every change.
-    uint32_t candidate;         ///< pending and enabled, goes first; 0: none
-    int candidate_group;        ///< its group priority
-    int active_group;           ///< the lowest of the active exceptions, or NVIC_PRIORITY_THREAD
-    bool attention;             ///< the candidate would preempt if no mask held it back
-    uint64_t *attend_cycle;     ///< of the soc: set to 0 when attention is wanted
-    bool set_event_on_pending;  ///< SCR.SEVONPEND
-    bool event;                 ///< something became pending: wakes from WFE with SEVONPEND
+    uint32_t candidate;        ///< pending and enabled, goes first; 0: none
+    int candidate_group;       ///< its group priority
+    int active_group;          ///< the lowest of the active exceptions, or NVIC_PRIORITY_THREAD
+    bool attention;            ///< the candidate would preempt if no mask held it back
+    uint64_t *attend_cycle;    ///< of the soc: set to 0 when attention is wanted
+    bool set_event_on_pending; ///< SCR.SEVONPEND
+    bool event;                ///< something became pending: wakes from WFE with SEVONPEND
 };
 
 /// attend_cycle: set to 0 whenever the processor should look; NULL: nobody cares.

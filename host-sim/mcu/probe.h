@@ -1,12 +1,12 @@
-/// Looks into a running image, as a debugger does: at each call of controller_step it reads what went in,
-/// and at its return what came out, from the image's memory. The image is not changed for that.
+/// Looks into a running image, as a debugger does: at each call of controller_step it reads what
+/// went in, and at its return what came out, from the image's memory. The image is not changed for
+/// that.
 ///
-/// It also hands target updates and commands in: into the input of the call, where the pump would have
-/// put them had they come over a wire. That is the way to feed an image that has no host link yet, or more than
-/// a serial line can carry.
-/// And it counts: instructions of the call without those of interrupts, and of all that the program
-/// does between two calls (the loop, interrupts included; asleep there are none).
-/// Shown: tests/mcu/board.c.
+/// It also hands target updates and commands in: into the input of the call, where the pump would
+/// have put them had they come over a wire. That is the way to feed an image that has no host link
+/// yet, or more than a serial line can carry. And it counts: instructions of the call without those
+/// of interrupts, and of all that the program does between two calls (the loop, interrupts
+/// included; asleep there are none). Shown: tests/mcu/board.c.
 #ifndef MCU_PROBE_H
 #define MCU_PROBE_H
 

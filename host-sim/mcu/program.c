@@ -1,5 +1,5 @@
-/// What the program boresight-mcu has that `boresight` lacks: the emulated microcontroller. It is a program
-/// of its own because libunicorn is under the GPL.
+/// What the program boresight-mcu has that `boresight` lacks: the emulated microcontroller. It is a
+/// program of its own because libunicorn is under the GPL.
 #include "emulator.h"
 
 #include "mcu/mcu_board.h"

@@ -2,15 +2,15 @@
 
 #include "mcu/soc.h"
 
-#define CR_LPDS_PDDS  0x3U
-#define CR_PVDE       (UINT32_C(1) << 4)
-#define CR_DBP        (UINT32_C(1) << 8)
-#define CR_VOS        (UINT32_C(1) << 14)
-#define CR_BITS       0x43F3U
-#define CSR_ENABLES   0x300U
-#define CSR_VOSRDY    (UINT32_C(1) << 14)
-#define CSR_BRR       (UINT32_C(1) << 3)
-#define CSR_BRE       (UINT32_C(1) << 9)
+#define CR_LPDS_PDDS 0x3U
+#define CR_PVDE      (UINT32_C(1) << 4)
+#define CR_DBP       (UINT32_C(1) << 8)
+#define CR_VOS       (UINT32_C(1) << 14)
+#define CR_BITS      0x43F3U
+#define CSR_ENABLES  0x300U
+#define CSR_VOSRDY   (UINT32_C(1) << 14)
+#define CSR_BRR      (UINT32_C(1) << 3)
+#define CSR_BRE      (UINT32_C(1) << 9)
 
 void pwr_reset(struct pwr *pwr, struct soc *soc) {
     *pwr = (struct pwr){.soc = soc, .cr = CR_VOS};

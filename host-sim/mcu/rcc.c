@@ -104,7 +104,8 @@ void rcc_check_limits(struct rcc *rcc) {
 static void check_pll(struct rcc *rcc) {
     const uint32_t input = pll_input_hz(rcc), vco = vco_hz(rcc);
     if (input < 950000U || input > 2100000U || vco < 100000000U || vco > 432000000U) {
-        soc_complain(rcc->soc, "the PLL gets %u Hz (1 to 2 MHz), its oscillator %u Hz (100 to 432 MHz)",
+        soc_complain(rcc->soc,
+                     "the PLL gets %u Hz (1 to 2 MHz), its oscillator %u Hz (100 to 432 MHz)",
                      input, vco);
     }
     if ((rcc->pllcfgr >> 24 & 15U) < 2U) {
@@ -147,9 +148,9 @@ static void follow_switch(struct rcc *rcc) {
 
 /// Typical start-up times of the data sheet.
 static uint64_t start_ns(enum rcc_oscillator oscillator) {
-    static const uint64_t ns[] = {[RCC_LSI] = 15000,    [RCC_LSE] = 2000000000,
-                                  [RCC_HSI] = 2200,     [RCC_HSE] = 2000000,
-                                  [RCC_PLL] = 150000,   [RCC_PLLI2S] = 150000};
+    static const uint64_t ns[] = {
+        [RCC_LSI] = 15000,   [RCC_LSE] = 2000000000, [RCC_HSI] = 2200,
+        [RCC_HSE] = 2000000, [RCC_PLL] = 150000,     [RCC_PLLI2S] = 150000};
     return ns[oscillator];
 }
 
@@ -183,9 +184,8 @@ static void switch_oscillator(struct rcc *rcc, enum rcc_oscillator oscillator, b
         if (oscillator == RCC_PLL) {
             check_pll(rcc);
         }
-        rcc->ready_ns[oscillator] = can_start(rcc, oscillator)
-                                        ? soc_now_ns(rcc->soc) + start_ns(oscillator)
-                                        : SOC_NEVER;
+        rcc->ready_ns[oscillator] =
+            can_start(rcc, oscillator) ? soc_now_ns(rcc->soc) + start_ns(oscillator) : SOC_NEVER;
     }
     schedule(rcc);
 }
@@ -209,6 +209,9 @@ void rcc_due(struct rcc *rcc) {
     }
     update_interrupt(rcc);
     follow_switch(rcc);
+    if (rcc_lsi_runs(rcc)) {
+        iwdg_lsi_started(&rcc->soc->iwdg);
+    }
     schedule(rcc);
 }
 
@@ -221,15 +224,18 @@ bool rcc_lsi_runs(const struct rcc *rcc) {
 }
 
 void rcc_fail_hse(struct rcc *rcc) {
-    const bool used = rcc->switched == SW_HSE ||
-                      (rcc->switched == SW_PLL && (rcc->pllcfgr & PLLCFGR_HSE) != 0U);
+    const bool used =
+        rcc->switched == SW_HSE || (rcc->switched == SW_PLL && (rcc->pllcfgr & PLLCFGR_HSE) != 0U);
     rcc->hse_failed = true;
     if (!is_running(rcc, RCC_HSE)) {
         return;
     }
     switch_oscillator(rcc, RCC_HSE, false);
     if ((rcc->cr & CR_CSSON) == 0U) {
-        return; // nothing notices: a system that runs on it stands still
+        if (used) {
+            soc_complain(rcc->soc, "the crystal fails and nothing monitors it: the chip stands still");
+        }
+        return;
     }
     rcc->cr &= ~(CR_HSEON | CR_CSSON);
     rcc->cir |= CIR_CSSF;
@@ -296,14 +302,14 @@ bool rcc_is_clocked(const struct rcc *rcc, enum rcc_bus bus, unsigned bit) {
 
 /// Which bus a register of the three rows at 0x10, 0x30 and 0x50 belongs to; RCC_BUS_COUNT: none.
 static enum rcc_bus bus_of(uint32_t offset) {
-    static const enum rcc_bus buses[] = {RCC_AHB1, RCC_AHB2, RCC_AHB3, RCC_BUS_COUNT,
+    static const enum rcc_bus buses[] = {RCC_AHB1, RCC_AHB2, RCC_AHB3,      RCC_BUS_COUNT,
                                          RCC_APB1, RCC_APB2, RCC_BUS_COUNT, RCC_BUS_COUNT};
     return buses[(offset - 0x10U) / 4U % 8U];
 }
 
 static uint32_t read_cr(const struct rcc *rcc) {
-    static const uint8_t ready_bit[] = {[RCC_HSI] = 1, [RCC_HSE] = 17, [RCC_PLL] = 25,
-                                        [RCC_PLLI2S] = 27};
+    static const uint8_t ready_bit[] = {
+        [RCC_HSI] = 1, [RCC_HSE] = 17, [RCC_PLL] = 25, [RCC_PLLI2S] = 27};
     uint32_t value = rcc->cr | CR_HSICAL;
     for (unsigned i = RCC_HSI; i <= RCC_PLLI2S; i++) {
         value |= (rcc->running >> i & 1U) << ready_bit[i];

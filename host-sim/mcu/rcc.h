@@ -1,12 +1,12 @@
 /// Clocks and resets.
 ///
 /// Source: RM0090 (STM32F405/415, 407/417, 427/437, 429/439), chapter 7; times and limits from the
-/// STM32F405xx data sheet, 5.3. Oscillators and PLL become ready some time after they are switched on, or
-/// never (soc_options.stuck). The system clock changes over when the one asked for is ready. What
-/// runs the system can't be switched off. A PLL, bus clock or flash out of its limits is a complaint.
-/// The clock security system switches to the internal oscillator and raises NMI (rcc_fail_hse).
-/// Left out: clock outputs, RTC, spread spectrum, low-power modes, the PLL for audio (ready bit only).
-/// Shown: tests/mcu/rcc.c.
+/// STM32F405xx data sheet, 5.3. Oscillators and PLL become ready some time after they are switched
+/// on, or never (soc_options.stuck). The system clock changes over when the one asked for is ready.
+/// What runs the system can't be switched off. A PLL, bus clock or flash out of its limits is a
+/// complaint. The clock security system switches to the internal oscillator and raises NMI
+/// (rcc_fail_hse). Left out: clock outputs, RTC, spread spectrum, low-power modes, the PLL for
+/// audio (ready bit only). Shown: tests/mcu/rcc.c.
 #ifndef MCU_RCC_H
 #define MCU_RCC_H
 
@@ -24,9 +24,9 @@ struct rcc {
     struct soc *soc;
     uint32_t cr, pllcfgr, cfgr, cir, bdcr, csr, plli2scfgr, sscgr;
     uint32_t reset[RCC_BUS_COUNT], enable[RCC_BUS_COUNT], low_power_enable[RCC_BUS_COUNT];
-    uint32_t running;                    ///< a bit for each oscillator that is ready
-    uint64_t ready_ns[RCC_OSCILLATORS];  ///< when one that was switched on becomes ready
-    uint32_t switched;                   ///< SWS
+    uint32_t running;                   ///< a bit for each oscillator that is ready
+    uint64_t ready_ns[RCC_OSCILLATORS]; ///< when one that was switched on becomes ready
+    uint32_t switched;                  ///< SWS
     bool hse_failed;
 };
 
@@ -42,8 +42,8 @@ bool rcc_is_clocked(const struct rcc *rcc, enum rcc_bus bus, unsigned bit);
 /// Clock of the APB1 or APB2 bus.
 uint32_t rcc_pclk_hz(const struct rcc *rcc, enum rcc_bus bus);
 
-/// HCLK cycles for each clock of the timers on APB1 or APB2: the bus clock, or twice that if the bus
-/// is divided.
+/// HCLK cycles for each clock of the timers on APB1 or APB2: the bus clock, or twice that if the
+/// bus is divided.
 uint32_t rcc_timer_divider(const struct rcc *rcc, enum rcc_bus bus);
 
 /// The watchdog needs the low-speed internal oscillator: it is switched on.
@@ -53,7 +53,8 @@ bool rcc_lsi_runs(const struct rcc *rcc);
 /// The crystal stops.
 void rcc_fail_hse(struct rcc *rcc);
 
-/// Checks the flash latency and the voltage scale against the clock; called when any of them changes.
+/// Checks the flash latency and the voltage scale against the clock; called when any of them
+/// changes.
 void rcc_check_limits(struct rcc *rcc);
 
 #endif

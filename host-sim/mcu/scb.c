@@ -130,10 +130,11 @@ static void write_aircr(struct scb *scb, uint32_t value) {
 
 static uint32_t read_shcsr(const struct scb *scb) {
     // Where each exception's active and pended bits are.
-    static const struct { uint8_t exception, active, pended; } bits[] = {
-        {NVIC_MEM_MANAGE, 0, 13}, {NVIC_BUS_FAULT, 1, 14},     {NVIC_USAGE_FAULT, 3, 12},
-        {NVIC_SVCALL, 7, 15},     {NVIC_DEBUG_MONITOR, 8, 31}, {NVIC_PENDSV, 10, 31},
-        {NVIC_SYSTICK, 11, 31}};
+    static const struct {
+        uint8_t exception, active, pended;
+    } bits[] = {{NVIC_MEM_MANAGE, 0, 13}, {NVIC_BUS_FAULT, 1, 14},     {NVIC_USAGE_FAULT, 3, 12},
+                {NVIC_SVCALL, 7, 15},     {NVIC_DEBUG_MONITOR, 8, 31}, {NVIC_PENDSV, 10, 31},
+                {NVIC_SYSTICK, 11, 31}};
     const struct nvic *nvic = &scb->soc->nvic;
     uint32_t value = 0;
     for (unsigned i = 0; i < sizeof bits / sizeof *bits; i++) {

@@ -2,10 +2,9 @@
 ///
 /// Source: ARMv7-M Architecture Reference Manual, B3.2 and C1.8; PM0214, 4.4.
 /// CYCCNT counts HCLK cycles in which the processor does not sleep. There is no debugger.
-/// Left out: the memory protection unit (writes complain), traps for unaligned accesses and division
-/// by zero (the bits can be set, the processor does not obey them), the floating-point unit
-/// (firmware is compiled without).
-/// Shown: tests/mcu/scb.c.
+/// Left out: the memory protection unit (writes complain), traps for unaligned accesses and
+/// division by zero (the bits can be set, the processor does not obey them), the floating-point
+/// unit (firmware is compiled without). Shown: tests/mcu/scb.c.
 #ifndef MCU_SCB_H
 #define MCU_SCB_H
 
@@ -32,8 +31,8 @@ struct scb {
     struct soc *soc;
     uint32_t vtor, prigroup, scr, ccr, cfsr, hfsr, mmfar, bfar, cpacr;
     uint32_t demcr, dwt_control, fpccr;
-    uint32_t cycles_offset;   ///< CYCCNT = awake cycles + offset, while it counts
-    unsigned exception; ///< IPSR, kept by the processor
+    uint32_t cycles_offset; ///< CYCCNT = awake cycles + offset, while it counts
+    unsigned exception;     ///< IPSR, kept by the processor
 };
 
 void scb_reset(struct scb *scb, struct soc *soc);

@@ -11,10 +11,10 @@
 #define BLOCK_BYTES     0x400U
 #define BLOCKS          ((PERIPHERALS_END - PERIPHERALS) / BLOCK_BYTES)
 /// AHB1 begins here: its parts take bytes and halves; the bridges before it only words.
-#define AHB             0x40020000U
+#define AHB 0x40020000U
 /// Times are worked out up to so far ahead; farther ones are looked at again then.
-#define HORIZON_NS      UINT64_C(100000000000)
-#define SECOND_NS       UINT64_C(1000000000)
+#define HORIZON_NS UINT64_C(100000000000)
+#define SECOND_NS  UINT64_C(1000000000)
 
 // ---------------------------------------------------------------- the parts
 
@@ -296,9 +296,8 @@ void soc_run_due(struct soc *soc) {
         soc_schedule(soc, (enum soc_part)first, SOC_NEVER);
         call_due(soc, first);
     }
-    soc->attend_cycle = soc->nvic.attention || soc->reset_wanted != SOC_RESET_NONE
-                            ? 0U
-                            : soc->next_cycle;
+    soc->attend_cycle =
+        soc->nvic.attention || soc->reset_wanted != SOC_RESET_NONE ? 0U : soc->next_cycle;
 }
 
 void soc_set_end(struct soc *soc, uint64_t ns) {

@@ -1,16 +1,17 @@
 /// The STM32F405 but for its processor: registers, clocks, time, interrupts.
 ///
-/// Every model here was written from ST's reference manual RM0090, the programming manual PM0214 and
-/// the ARMv7-M Architecture Reference Manual, never from a driver, so that driver and model can't
-/// share a mistake. Each header names the chapter and what is left out; tests/mcu/ has the tests.
+/// Every model here was written from ST's reference manual RM0090, the programming manual PM0214
+/// and the ARMv7-M Architecture Reference Manual, never from a driver, so that driver and model
+/// can't share a mistake. Each header names the chapter and what is left out; tests/mcu/ has the
+/// tests.
 ///
 /// The processor (cpu.h) counts `cycle` up and calls soc_read and soc_write; a test may do the same
 /// without one. Time is counted in cycles of the bus clock HCLK, which runs at different speeds
 /// (16 MHz after reset), and told in nanoseconds since power-on. Everything that happens by itself
 /// (a byte arrives, a counter overflows) is an event: one due time for each part.
 ///
-/// What the manual forbids, and what a real chip would answer with nonsense (a flash too slow for its
-/// clock, a register of a part whose clock is off), is a complaint: counted, and told once.
+/// What the manual forbids, and what a real chip would answer with nonsense (a flash too slow for
+/// its clock, a register of a part whose clock is off), is a complaint: counted, and told once.
 /// Registers that exist but have no model read 0, ignore writes, and complain.
 #ifndef MCU_SOC_H
 #define MCU_SOC_H
@@ -67,10 +68,10 @@ enum soc_reset {
 
 /// Ready bits that never come, or-ed.
 enum soc_stuck {
-    SOC_STUCK_HSE = 1, ///< the crystal does not start
-    SOC_STUCK_PLL = 2, ///< the PLL does not lock
+    SOC_STUCK_HSE = 1,    ///< the crystal does not start
+    SOC_STUCK_PLL = 2,    ///< the PLL does not lock
     SOC_STUCK_SWITCH = 4, ///< the system clock switch does not follow
-    SOC_STUCK_CAN = 8, ///< the CAN controller does not enter its initialisation mode
+    SOC_STUCK_CAN = 8,    ///< the CAN controller does not enter its initialisation mode
 };
 
 struct soc_options {
@@ -96,7 +97,7 @@ struct soc {
     /// interrupt, a reset or a fault.
     uint64_t attend_cycle;
 
-    bool ended;                      ///< the end of the run has come
+    bool ended; ///< the end of the run has come
 
     /// Called when the part SOC_WORLD is due.
     void (*world)(void *context);

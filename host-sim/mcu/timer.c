@@ -2,21 +2,21 @@
 
 #include "mcu/soc.h"
 
-#define CR1_CEN    (UINT32_C(1) << 0)
-#define CR1_UDIS   (UINT32_C(1) << 1)
-#define CR1_URS    (UINT32_C(1) << 2)
-#define CR1_OPM    (UINT32_C(1) << 3)
-#define CR1_DIR    (UINT32_C(1) << 4)
-#define CR1_CMS    (UINT32_C(3) << 5)
-#define CR1_ARPE   (UINT32_C(1) << 7)
-#define CR1_BITS   0x3FFU
+#define CR1_CEN     (UINT32_C(1) << 0)
+#define CR1_UDIS    (UINT32_C(1) << 1)
+#define CR1_URS     (UINT32_C(1) << 2)
+#define CR1_OPM     (UINT32_C(1) << 3)
+#define CR1_DIR     (UINT32_C(1) << 4)
+#define CR1_CMS     (UINT32_C(3) << 5)
+#define CR1_ARPE    (UINT32_C(1) << 7)
+#define CR1_BITS    0x3FFU
 #define FLAG_UPDATE 1U
-#define DIER_DMA   0x7F00U
-#define EGR_UG     1U
-#define BDTR_MOE   (UINT32_C(1) << 15)
-#define OC_PRELOAD 8U
-#define OC_PWM1    6U
-#define OC_PWM2    7U
+#define DIER_DMA    0x7F00U
+#define EGR_UG      1U
+#define BDTR_MOE    (UINT32_C(1) << 15)
+#define OC_PRELOAD  8U
+#define OC_PWM1     6U
+#define OC_PWM2     7U
 
 static bool is_wide(const struct timer *t) {
     return t->index == 1U || t->index == 4U; // TIM2, TIM5
@@ -303,7 +303,8 @@ static void complain_of_modes(struct timer *t) {
     }
     if ((t->cr1 & (CR1_DIR | CR1_CMS)) != 0U || (t->smcr & 7U) != 0U || captures ||
         (t->dier & DIER_DMA) != 0U || (t->bdtr & 0x1000U) != 0U) {
-        soc_complain(t->soc, "TIM%u: counting down, capture, slave mode, DMA and break have no model",
+        soc_complain(t->soc,
+                     "TIM%u: counting down, capture, slave mode, DMA and break have no model",
                      t->index + 1U);
     }
 }

@@ -1,12 +1,11 @@
 /// Timers TIM1 to TIM5, counting up, with pulses from their compare channels.
 ///
-/// Source: RM0090, chapters 17 (TIM1) and 18 (TIM2 to TIM5). The prescaler always, and the reload and
-/// compare values where their preload bit is set, take effect at an update: an overflow (every RCR + 1
-/// of them, TIM1) or EGR.UG. TIM2 and TIM5 have 32 bits, the others 16.
-/// Left out: counting down and in the middle, input capture, slave mode, DMA, break and dead time
-/// (all complain when switched on).
-/// The counter is worked out when somebody looks; an update is an event only while it means something.
-/// Shown: tests/mcu/timer.c.
+/// Source: RM0090, chapters 17 (TIM1) and 18 (TIM2 to TIM5). The prescaler always, and the reload
+/// and compare values where their preload bit is set, take effect at an update: an overflow (every
+/// RCR + 1 of them, TIM1) or EGR.UG. TIM2 and TIM5 have 32 bits, the others 16. Left out: counting
+/// down and in the middle, input capture, slave mode, DMA, break and dead time (all complain when
+/// switched on). The counter is worked out when somebody looks; an update is an event only while it
+/// means something. Shown: tests/mcu/timer.c.
 #ifndef MCU_TIMER_H
 #define MCU_TIMER_H
 
@@ -38,8 +37,8 @@ void timer_write(void *model, uint32_t offset, uint32_t value, uint32_t lanes);
 void timer_hold(struct timer *timer);
 void timer_clock_changed(struct timer *timer);
 
-/// What comes out of a channel, in HCLK cycles: how long the line is high in each period. 0 of 0: the
-/// line does not move.
+/// What comes out of a channel, in HCLK cycles: how long the line is high in each period. 0 of 0:
+/// the line does not move.
 struct timer_pulse {
     uint64_t high_cycles, period_cycles;
 };

@@ -58,8 +58,8 @@ static uint64_t frame_ns(uint32_t baud, unsigned bits) {
     return (UINT64_C(1000000000) * (bits + 2U) + baud / 2U) / baud;
 }
 
-/// What a receiver makes of a byte when its clock differs from the sender's: it samples in the middle of
-/// what it takes for the bits.
+/// What a receiver makes of a byte when its clock differs from the sender's: it samples in the
+/// middle of what it takes for the bits.
 static uint16_t resample(uint16_t word, unsigned bits, uint32_t sender_baud, uint32_t receiver_baud,
                          unsigned receiver_bits, bool *framed) {
     // The wire, bit by bit: start, data with the least significant first, then high.
@@ -124,8 +124,8 @@ static void end_shift(struct usart *usart) {
     usart->is_shifting = false;
     if (is_wired(usart, GPIO_SIGNAL_USART_TX, line->tx_pin) && line->heard != NULL) {
         bool framed;
-        const uint16_t byte = resample(usart->shifting, data_bits(usart), usart_baud(usart),
-                                       line->baud, 8, &framed);
+        const uint16_t byte =
+            resample(usart->shifting, data_bits(usart), usart_baud(usart), line->baud, 8, &framed);
         line->heard(line->context, (uint8_t)byte, framed);
     }
     begin_shift(usart, end_ns);
@@ -265,8 +265,8 @@ static void write_data(struct usart *usart, uint32_t value) {
 }
 
 static void complain_of_modes(struct usart *usart) {
-    if ((usart->cr1 & (CR1_PCE | CR1_RWU)) != 0U ||
-        (usart->cr2 & (CR2_LIN | CR2_CLOCK)) != 0U || (usart->cr3 & CR3_OTHERS) != 0U) {
+    if ((usart->cr1 & (CR1_PCE | CR1_RWU)) != 0U || (usart->cr2 & (CR2_LIN | CR2_CLOCK)) != 0U ||
+        (usart->cr3 & CR3_OTHERS) != 0U) {
         soc_complain(usart->soc, "USART%u: parity, DMA and the special modes have no model",
                      usart->index + 1U);
     }

@@ -7,33 +7,33 @@
 
 #define MEMBER(structure, field) (((struct structure *)0)->field)
 #define FIELD(structure, field, kind, type)                                                        \
-    { #field, kind, offsetof(struct structure, field), sizeof MEMBER(structure, field),            \
-      _Alignof(__typeof__(MEMBER(structure, field))), type, 0, 0, 0 }
-#define SAME(structure, field)        FIELD(structure, field, LAYOUT_SAME, NULL)
-#define ENUM(structure, field)        FIELD(structure, field, LAYOUT_ENUM, NULL)
-#define SIGNED_ENUM(structure, field) FIELD(structure, field, LAYOUT_SIGNED_ENUM, NULL)
-#define POINTER(structure, field)     FIELD(structure, field, LAYOUT_POINTER, NULL)
+    {                                                                                              \
+#field, kind, offsetof(struct structure, field), sizeof MEMBER(structure, field),          \
+            _Alignof(__typeof__(MEMBER(structure, field))), type, 0, 0, 0                          \
+    }
+#define SAME(structure, field)         FIELD(structure, field, LAYOUT_SAME, NULL)
+#define ENUM(structure, field)         FIELD(structure, field, LAYOUT_ENUM, NULL)
+#define SIGNED_ENUM(structure, field)  FIELD(structure, field, LAYOUT_SIGNED_ENUM, NULL)
+#define POINTER(structure, field)      FIELD(structure, field, LAYOUT_POINTER, NULL)
 #define STRUCT(structure, field, type) FIELD(structure, field, LAYOUT_STRUCT, &layout_##type)
 #define LAYOUT(structure, table)                                                                   \
     { #structure, table, sizeof table / sizeof *table, sizeof(struct structure), 0, 0 }
 
 // ---------------------------------------------------------------- inputs
 
-static struct layout_field target_update_fields[] = {
-    ENUM(target_update, kind),         SAME(target_update, id),
-    SAME(target_update, object),       SAME(target_update, weight_q16),
-    SAME(target_update, position_um), // a union, whose largest member this is
-    SAME(target_update, radius_um),   // likewise
+static struct layout_field target_update_fields[] =
+    {
+        ENUM(target_update, kind),        SAME(target_update, id),
+        SAME(target_update, object),      SAME(target_update, weight_q16),
+        SAME(target_update, position_um), // a union, whose largest member this is
+        SAME(target_update, radius_um),   // likewise
 };
 struct layout layout_target_update = LAYOUT(target_update, target_update_fields);
 
 static struct layout_field controller_input_fields[] = {
-    SAME(controller_input, now_us),
-    SAME(controller_input, commands),
-    SAME(controller_input, frame_count),
-    SAME(controller_input, update_count),
-    SAME(controller_input, frame),
-    STRUCT(controller_input, update, target_update),
+    SAME(controller_input, now_us),      SAME(controller_input, commands),
+    SAME(controller_input, frame_count), SAME(controller_input, update_count),
+    SAME(controller_input, frame),       STRUCT(controller_input, update, target_update),
 };
 struct layout layout_controller_input = LAYOUT(controller_input, controller_input_fields);
 
@@ -60,24 +60,19 @@ static struct layout_field controller_status_fields[] = {
     SAME(controller_status, frames_ignored),
     SAME(controller_status, aims_solved),
 };
-static struct layout layout_controller_status =
-    LAYOUT(controller_status, controller_status_fields);
+static struct layout layout_controller_status = LAYOUT(controller_status, controller_status_fields);
 
 static struct layout_field controller_output_fields[] = {
-    SAME(controller_output, frame_count),
-    SAME(controller_output, frame),
-    SAME(controller_output, pulse_set),
-    SAME(controller_output, pulse_channel),
-    SAME(controller_output, pulse_ns),
-    STRUCT(controller_output, status, controller_status),
+    SAME(controller_output, frame_count), SAME(controller_output, frame),
+    SAME(controller_output, pulse_set),   SAME(controller_output, pulse_channel),
+    SAME(controller_output, pulse_ns),    STRUCT(controller_output, status, controller_status),
 };
 struct layout layout_controller_output = LAYOUT(controller_output, controller_output_fields);
 
 // ---------------------------------------------------------------- settings
 
 static struct layout_field drive_config_fields[] = {
-    ENUM(drive_config, kind),
-    SAME(drive_config, rmd), // a union, as long as its other member
+    ENUM(drive_config, kind), SAME(drive_config, rmd), // a union, as long as its other member
 };
 static struct layout layout_drive_config = LAYOUT(drive_config, drive_config_fields);
 _Static_assert(sizeof(struct drive_rmd_config) >= sizeof(struct drive_pwm_config),
@@ -110,17 +105,17 @@ struct layout layout_controller_config = LAYOUT(controller_config, controller_co
 // ---------------------------------------------------------------- the controller
 
 static struct layout_field limiter_fields[] = {
-    POINTER(limiter, config),      SAME(limiter, position_q48), SAME(limiter, speed_q48),
-    SAME(limiter, recent_q48),     SAME(limiter, recent_sum_q48), SAME(limiter, recent_next),
-    SAME(limiter, still_ticks),    SAME(limiter, output_q48),   SAME(limiter, output_speed_q48),
+    POINTER(limiter, config),   SAME(limiter, position_q48),   SAME(limiter, speed_q48),
+    SAME(limiter, recent_q48),  SAME(limiter, recent_sum_q48), SAME(limiter, recent_next),
+    SAME(limiter, still_ticks), SAME(limiter, output_q48),     SAME(limiter, output_speed_q48),
 };
 static struct layout layout_limiter = LAYOUT(limiter, limiter_fields);
 
 static struct layout_field drive_fields[] = {
-    POINTER(drive, config),        SAME(drive, ready),       SAME(drive, position_known),
-    SAME(drive, position_q48),     SAME(drive, position_us), SAME(drive, heard_us),
-    SAME(drive, error_bits),       SAME(drive, temperature_c), SAME(drive, accel_plan_dps2),
-    SAME(drive, asked),            SAME(drive, bad_replies),
+    POINTER(drive, config),    SAME(drive, ready),         SAME(drive, position_known),
+    SAME(drive, position_q48), SAME(drive, position_us),   SAME(drive, heard_us),
+    SAME(drive, error_bits),   SAME(drive, temperature_c), SAME(drive, accel_plan_dps2),
+    SAME(drive, asked),        SAME(drive, bad_replies),
 };
 static struct layout layout_drive = LAYOUT(drive, drive_fields);
 
@@ -161,16 +156,16 @@ static struct layout_field controller_fields[] = {
 struct layout layout_controller = LAYOUT(controller, controller_fields);
 
 static struct layout *const all[] = {&layout_target_update,
-                                           &layout_controller_input,
-                                           &layout_framing,
-                                           &layout_controller_status,
-                                           &layout_controller_output,
-                                           &layout_drive_config,
-                                           &layout_controller_axis_config,
-                                           &layout_controller_config,
-                                           &layout_limiter,
-                                           &layout_drive,
-                                           &layout_controller};
+                                     &layout_controller_input,
+                                     &layout_framing,
+                                     &layout_controller_status,
+                                     &layout_controller_output,
+                                     &layout_drive_config,
+                                     &layout_controller_axis_config,
+                                     &layout_controller_config,
+                                     &layout_limiter,
+                                     &layout_drive,
+                                     &layout_controller};
 
 // ---------------------------------------------------------------- over there
 

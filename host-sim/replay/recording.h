@@ -1,13 +1,15 @@
-/// Recordings of what a controller was told, tick by tick, and their replay in a controller of this build.
+/// Recordings of what a controller was told, tick by tick, and their replay in a controller of this
+/// build.
 ///
-/// The same inputs must give the same outputs, bit for bit, whatever processor ran the controller that was
-/// recorded. A recording has its settings, every input, and a hash of the outputs; a replay compares.
+/// The same inputs must give the same outputs, bit for bit, whatever processor ran the controller
+/// that was recorded. A recording has its settings, every input, and a hash of the outputs; a
+/// replay compares.
 ///
 /// The file is text: `start HEX` (a controller begins, with these settings), then a line a tick:
-/// `t NOW_US COMMANDS` and any number of ` f ID FLAGS DATA` (a frame; in hexadecimal, data may be `-`) and
-/// ` u HEX` (a target update); after every 1,000 ticks and at the end `h TICKS HASH`. HEX is the
-/// structure as a 32-bit ARM has it in memory (replay/layout.h).
-/// Shown: tests/scenario/test_recording.c; on an emulated board tests/mcu/same_bits.sh.
+/// `t NOW_US COMMANDS` and any number of ` f ID FLAGS DATA` (a frame; in hexadecimal, data may be
+/// `-`) and ` u HEX` (a target update); after every 1,000 ticks and at the end `h TICKS HASH`. HEX
+/// is the structure as a 32-bit ARM has it in memory (replay/layout.h). Shown:
+/// tests/scenario/test_recording.c; on an emulated board tests/mcu/same_bits.sh.
 #ifndef REPLAY_RECORDING_H
 #define REPLAY_RECORDING_H
 
