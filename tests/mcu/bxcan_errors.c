@@ -1,11 +1,12 @@
-/// Error counters, bus-off and the way back, against RM0090, 32.7.6, and Bosch's CAN 2.0B, section 8.
+/// Error counters, bus-off and the way back, against RM0090, 32.7.6, and Bosch's CAN 2.0B,
+/// section 8.
 #include "can_chip.h"
 
-#define ABOM 0x40U
-#define EWGF 1U
-#define EPVF 2U
-#define BOFF 4U
-#define ERRI 4U
+#define ABOM    0x40U
+#define EWGF    1U
+#define EPVF    2U
+#define BOFF    4U
+#define ERRI    4U
 #define SCE_IRQ 22U
 
 static unsigned tec(void) {

@@ -72,7 +72,8 @@ static void a_32_bit_list(void) {
 
 static void a_16_bit_mask_is_two_filters(void) {
     begin();
-    bank(0, false, false, 1, narrow(0x140) | narrow(0x7FE) << 16, narrow(0x200) | narrow(0x7FF) << 16);
+    bank(0, false, false, 1, narrow(0x140) | narrow(0x7FE) << 16,
+         narrow(0x200) | narrow(0x7FF) << 16);
     done();
     CHECK_EQ(match(0x141, 0), 256 + 0);
     CHECK_EQ(match(0x142, 0), -1);
@@ -82,7 +83,8 @@ static void a_16_bit_mask_is_two_filters(void) {
 
 static void a_16_bit_list_is_four(void) {
     begin();
-    bank(0, true, false, 0, narrow(0x141) | narrow(0x142) << 16, narrow(0x143) | narrow(0x144) << 16);
+    bank(0, true, false, 0, narrow(0x141) | narrow(0x142) << 16,
+         narrow(0x143) | narrow(0x144) << 16);
     done();
     for (uint32_t id = 0x140; id <= 0x145U; id++) {
         CHECK_EQ(match(id, 0), id >= 0x141U && id <= 0x144U ? (int)(id - 0x141U) : -1);
@@ -99,10 +101,10 @@ static void a_16_bit_list_is_four(void) {
 static void numbers_count_on_by_queue_active_or_not(void) {
     // The example of figure 343: banks of all kinds, some of them off.
     begin();
-    bank(0, true, true, 0, wide(1), wide(2));                                     // 0, 1
-    bank(1, false, true, 0, wide(3), wide(0x7FF));                                // 2
+    bank(0, true, true, 0, wide(1), wide(2));                                          // 0, 1
+    bank(1, false, true, 0, wide(3), wide(0x7FF));                                     // 2
     bank(3, true, false, 0, narrow(4) | narrow(5) << 16, narrow(6) | narrow(7) << 16); // 3 to 6
-    bank(4, true, true, 0, wide(0x700), wide(0x701));                             // 7, 8: off
+    bank(4, true, true, 0, wide(0x700), wide(0x701));                                  // 7, 8: off
     bank(5, false, false, 0, narrow(8) | narrow(0x7FF) << 16, narrow(9) | narrow(0x7FF) << 16); // 9
     bank(2, false, false, 1, narrow(10) | narrow(0x7FF) << 16, narrow(11) | narrow(0x7FF) << 16);
     bank(6, false, true, 1, wide(12), wide(0x7FF)); // 2 of FIFO 1
@@ -158,7 +160,8 @@ static void what_is_active_can_not_be_written(void) {
 
 static void the_number_comes_with_the_frame(void) {
     begin();
-    bank(0, true, false, 1, narrow(0x141) | narrow(0x142) << 16, narrow(0x143) | narrow(0x144) << 16);
+    bank(0, true, false, 1, narrow(0x141) | narrow(0x142) << 16,
+         narrow(0x143) | narrow(0x144) << 16);
     done();
     hear(0x143);
     CHECK_EQ(peek(RF1R), 1);

@@ -1,6 +1,7 @@
-/// The emulated controller on the simulated bus: bit rates, competition, and what a cut wire does to it.
-#include "can_chip.h"
+/// The emulated controller on the simulated bus: bit rates, competition, and what a cut wire does
+/// to it.
 #include "mcu/can_port.h"
+#include "can_chip.h"
 
 #define CAN_TX GPIO_PIN('B', 9)
 #define CAN_RX GPIO_PIN('B', 8)
@@ -94,7 +95,7 @@ static void the_lower_identifier_wins_the_bus(void) {
     pass_us(5);
     request(0, 0x300);
     other_sends(0x200);
-    pass_us(90); // the first has passed, the second is on the wire
+    pass_us(90);                 // the first has passed, the second is on the wire
     CHECK_EQ(peek(TSR) & 4U, 4); // ALST
     CHECK_EQ(peek(RF0R) & 3U, 1);
     pass_us(200);

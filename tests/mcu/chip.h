@@ -1,5 +1,5 @@
-/// A chip without a processor, for the tests of its register models: registers by their addresses in
-/// RM0090 (table 1), time by hand. The tests write addresses and bits as the manual has them.
+/// A chip without a processor, for the tests of its register models: registers by their addresses
+/// in RM0090 (table 1), time by hand. The tests write addresses and bits as the manual has them.
 #ifndef TESTS_MCU_CHIP_H
 #define TESTS_MCU_CHIP_H
 

@@ -33,7 +33,7 @@ static void off_it_never_bites(void) {
 
 static void time_out_by_prescaler_and_reload(void) {
     // 4 * 2^PR * (RLR + 1) / LSI; table 107 of the manual has those of 32 kHz.
-    static const uint32_t cases[][3] = {{0, 0xFFF, 512000}, {0, 0, 125},       {3, 31, 32000},
+    static const uint32_t cases[][3] = {{0, 0xFFF, 512000},  {0, 0, 125},          {3, 31, 32000},
                                         {4, 0xFFF, 8192000}, {6, 0xFFF, 32768000}, {7, 99, 800000}};
     for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
         power_on();

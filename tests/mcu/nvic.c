@@ -133,7 +133,7 @@ static void subpriorities_order_but_do_not_preempt(void) {
     pend(21);
     CHECK_EQ(next(), 0); // same group
     set_priority(21, 0x30);
-    CHECK_EQ(next(), 16 + 21); // another group
+    CHECK_EQ(next(), 16 + 21);  // another group
     poke(AIRCR, KEY | 7U << 8); // no bit is group
     CHECK_EQ(next(), 0);
 }

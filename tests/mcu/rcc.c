@@ -26,12 +26,12 @@ static uint64_t cycles_in_1_ms(void) {
 static void reset_values_are_the_manuals(void) {
     static const struct {
         uint32_t offset, value;
-    } table[] = {
-        {0x04, 0x24003010}, {0x08, 0},          {0x0C, 0},          {0x10, 0},          {0x14, 0},
-        {0x18, 0},          {0x20, 0},          {0x24, 0},          {0x30, 0x00100000}, {0x34, 0},
-        {0x38, 0},          {0x40, 0},          {0x44, 0},          {0x50, 0x7E6791FF}, {0x54, 0xF1},
-        {0x58, 1},          {0x60, 0x36FEC9FF}, {0x64, 0x00075F33}, {0x70, 0},          {0x74, 0x0E000000},
-        {0x80, 0},          {0x84, 0x20003000}};
+    } table[] = {{0x04, 0x24003010}, {0x08, 0},          {0x0C, 0},    {0x10, 0},
+                 {0x14, 0},          {0x18, 0},          {0x20, 0},    {0x24, 0},
+                 {0x30, 0x00100000}, {0x34, 0},          {0x38, 0},    {0x40, 0},
+                 {0x44, 0},          {0x50, 0x7E6791FF}, {0x54, 0xF1}, {0x58, 1},
+                 {0x60, 0x36FEC9FF}, {0x64, 0x00075F33}, {0x70, 0},    {0x74, 0x0E000000},
+                 {0x80, 0},          {0x84, 0x20003000}};
     power_on();
     CHECK_EQ(peek(CR) & 0xFFFF00FFU, 0x83); // the calibration between is of the factory
     for (unsigned i = 0; i < sizeof table / sizeof *table; i++) {
@@ -77,17 +77,15 @@ static void the_pll_gives_168_mhz(void) {
 
 static void every_pll_factor_counts(void) {
     // M, N, P as a code, and what comes out of 8 MHz.
-    static const uint32_t factors[][4] = {{8, 192, 0, 96000000},
-                                          {4, 100, 1, 50000000},
-                                          {5, 125, 2, 33333333},
-                                          {8, 384, 3, 48000000}};
+    static const uint32_t factors[][4] = {
+        {8, 192, 0, 96000000}, {4, 100, 1, 50000000}, {5, 125, 2, 33333333}, {8, 384, 3, 48000000}};
     for (unsigned i = 0; i < 4U; i++) {
         power_on();
         set_bits(CR, HSEON);
         pass_us(10000);
         poke(FLASH, 5);
-        poke(PLLCFGR, factors[i][0] | factors[i][1] << 6 | factors[i][2] << 16 |
-                          UINT32_C(1) << 22 | 7U << 24);
+        poke(PLLCFGR, factors[i][0] | factors[i][1] << 6 | factors[i][2] << 16 | UINT32_C(1) << 22 |
+                          7U << 24);
         poke(CFGR, 5U << 10 | 4U << 13);
         set_bits(CR, PLLON);
         pass_us(1000);

@@ -1,4 +1,5 @@
-/// System control block and cycle counter, against PM0214, 4.4, and the ARMv7-M manual, B3.2 and C1.8.
+/// System control block and cycle counter, against PM0214, 4.4, and the ARMv7-M manual, B3.2 and
+/// C1.8.
 #include "chip.h"
 
 #define CPUID  0xE000ED00U

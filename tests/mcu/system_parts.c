@@ -30,10 +30,10 @@ static void flash_opens_with_two_keys(void) {
 static void power_control(void) {
     power_on();
     set_bits(RCC + 0x40U, UINT32_C(1) << 28);
-    CHECK_EQ(peek(PWR), 0x4000);             // VOS: scale 1
+    CHECK_EQ(peek(PWR), 0x4000);                // VOS: scale 1
     CHECK_EQ(peek(PWR + 4U) & 0x4000U, 0x4000); // VOSRDY
-    set_bits(PWR, 0x100);                    // DBP
-    poke(RCC + 0x70U, 1);                    // LSEON is in the backup domain
+    set_bits(PWR, 0x100);                       // DBP
+    poke(RCC + 0x70U, 1);                       // LSEON is in the backup domain
     CHECK_EQ(peek(RCC + 0x70U), 1);
     power_on();
     poke(RCC + 0x70U, 1);

@@ -1,10 +1,10 @@
 /// SysTick, against PM0214, 4.5, and the ARMv7-M manual, B3.3.
 #include "chip.h"
 
-#define CTRL  0xE000E010U
-#define LOAD  0xE000E014U
-#define VAL   0xE000E018U
-#define CALIB 0xE000E01CU
+#define CTRL      0xE000E010U
+#define LOAD      0xE000E014U
+#define VAL       0xE000E018U
+#define CALIB     0xE000E01CU
 #define COUNTFLAG 0x10000U
 
 static void start(uint32_t load, uint32_t control) {

@@ -118,7 +118,7 @@ static void pwm_mode_1_is_high_below_the_compare_value(void) {
     CHECK_EQ(pulse(3, 1).high_cycles, 1500 * 16);
     CHECK_EQ(pulse(3, 1).period_cycles, 20000 * 16);
     CHECK_EQ(pulse(3, 2).period_cycles, 0); // not switched on
-    poke(TIM3 + CCER, 3); // active low
+    poke(TIM3 + CCER, 3);                   // active low
     CHECK_EQ(pulse(3, 1).high_cycles, 18500 * 16);
     poke(TIM3 + CCER, 0);
     CHECK_EQ(pulse(3, 1).period_cycles, 0);
@@ -142,7 +142,7 @@ static void a_preloaded_value_waits_for_the_update(void) {
     pass_cycles(160000);
     CHECK_EQ(pulse(3, 1).high_cycles, 1000 * 16);
     CHECK_EQ(pulse(3, 1).period_cycles, 10000 * 16);
-    poke(TIM3 + CR1, CEN); // no preload of ARR
+    poke(TIM3 + CR1, CEN);       // no preload of ARR
     poke(TIM3 + CCMR1, 6U << 4); // nor of CCR1
     poke(TIM3 + CCR1, 700);
     poke(TIM3 + ARR, 4999);

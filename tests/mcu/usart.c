@@ -1,11 +1,11 @@
 /// Serial ports, against RM0090, chapter 30.
 #include "chip.h"
 
-#define SR  (USART1 + 0x00U)
-#define DR  (USART1 + 0x04U)
-#define BRR (USART1 + 0x08U)
-#define CR1 (USART1 + 0x0CU)
-#define CR3 (USART1 + 0x14U)
+#define SR   (USART1 + 0x00U)
+#define DR   (USART1 + 0x04U)
+#define BRR  (USART1 + 0x08U)
+#define CR1  (USART1 + 0x0CU)
+#define CR3  (USART1 + 0x14U)
 #define UE   0x2000U
 #define TE   0x0008U
 #define RE   0x0004U
@@ -67,7 +67,7 @@ static void baud_rates_are_the_manuals(void) {
     CHECK_NEAR(usart_baud(&chip.usart[0]), 9598, 1);
     poke(BRR, 8U << 4 | 11U); // 16 MHz, 115200: 8.6875
     CHECK_NEAR(usart_baud(&chip.usart[0]), 115108, 1);
-    poke(CR1, 0x8000); // OVER8
+    poke(CR1, 0x8000);        // OVER8
     poke(BRR, 17U << 4 | 3U); // 16 MHz, 115200: 17.375
     CHECK_NEAR(usart_baud(&chip.usart[0]), 115108, 1);
     run_at_168_mhz();
