@@ -93,11 +93,11 @@ static void print_facts(void *handle_of, struct facts *facts) {
     facts_u64(facts, "mcu_steps", counts->ticks);
     facts_u64(facts, "mcu_resets", board->machine.cpu.resets);
     facts_u64(facts, "mcu_complaints", board->machine.soc.complaints);
-    facts_u64(facts, "mcu_step_instructions_mean", counts->step_sum / ticks);
-    facts_u64(facts, "mcu_step_instructions_max", counts->step_max);
-    facts_u64(facts, "mcu_loop_instructions_mean", counts->loop_sum / ticks);
-    facts_u64(facts, "mcu_loop_instructions_max", counts->loop_max);
-    facts_fixed(facts, "mcu_loop_percent_max", 100.0 * (double)counts->loop_max / CYCLES_PER_TICK,
+    facts_u64(facts, "mcu_step_mean", counts->step_sum / ticks);
+    facts_u64(facts, "mcu_step_max", counts->step_max);
+    facts_u64(facts, "mcu_loop_mean", counts->loop_sum / ticks);
+    facts_u64(facts, "mcu_loop_max", counts->loop_max);
+    facts_fixed(facts, "mcu_loop_percent", 100.0 * (double)counts->loop_max / CYCLES_PER_TICK,
                 1);
     facts_text(facts, "mcu_says", board->last_line);
 }
