@@ -33,7 +33,7 @@ test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tes
 mcu_test_c := $(wildcard tests/mcu/*.c tests/mcu/*/*.c tests/mcu/*/*/*.c)
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c)
 formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.[ch] hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
-    boards/*/*.[ch] host-sim/mcu/*.c tests/mcu/*.c tests/mcu/*/*.c tests/*.h tests/*/*.h tests/*/*/*.h))
+    boards/*/*.[ch] host-sim/mcu/*.c tests/*.h tests/*/*.h tests/*/*/*.h))
 
 # ---------------------------------------------------------------- flags
 warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
