@@ -97,8 +97,7 @@ static void print_facts(void *handle_of, struct facts *facts) {
     facts_u64(facts, "mcu_step_max", counts->step_max);
     facts_u64(facts, "mcu_loop_mean", counts->loop_sum / ticks);
     facts_u64(facts, "mcu_loop_max", counts->loop_max);
-    facts_fixed(facts, "mcu_loop_percent", 100.0 * (double)counts->loop_max / CYCLES_PER_TICK,
-                1);
+    facts_fixed(facts, "mcu_loop_percent", 100.0 * (double)counts->loop_max / CYCLES_PER_TICK, 1);
     facts_text(facts, "mcu_says", board->last_line);
 }
 

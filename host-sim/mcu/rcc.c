@@ -233,7 +233,8 @@ void rcc_fail_hse(struct rcc *rcc) {
     switch_oscillator(rcc, RCC_HSE, false);
     if ((rcc->cr & CR_CSSON) == 0U) {
         if (used) {
-            soc_complain(rcc->soc, "the crystal fails and nothing monitors it: the chip stands still");
+            soc_complain(rcc->soc,
+                         "the crystal fails and nothing monitors it: the chip stands still");
         }
         return;
     }
