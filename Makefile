@@ -23,7 +23,7 @@ endif
 # ---------------------------------------------------------------- sources
 firmware_c := $(wildcard firmware/*/*.c)
 hal_c := $(wildcard hal/*.c hal/linux/*.c)
-sim_c := $(wildcard host-sim/*.c host-sim/*/*.c)
+sim_c := $(filter-out host-sim/mcu/%,$(wildcard host-sim/*.c host-sim/*/*.c))
 program_c := $(wildcard boards/linux/*.c)
 test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c)
 # Each of these files is one test program.
@@ -33,7 +33,7 @@ test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tes
 mcu_test_c := $(wildcard tests/mcu/*.c tests/mcu/*/*.c tests/mcu/*/*/*.c)
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c)
 formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.[ch] hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
-    boards/*/*.[ch] tests/*.h tests/*/*.h tests/*/*/*.h))
+    boards/*/*.[ch] host-sim/mcu/*.c tests/*.h tests/*/*.h tests/*/*/*.h))
 
 # ---------------------------------------------------------------- flags
 warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
@@ -119,6 +119,7 @@ arm_objects := $(foreach c,$(arm_cores),$(firmware_c:%.c=$(B)/$(c)/%.o))
 FORCE:
 
 include boards/boards.mk
+include host-sim/mcu/emulator.mk
 include tests/tests.mk
 
 # ---------------------------------------------------------------- targets
@@ -144,7 +145,7 @@ format: ## Lay out every C file
 size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
 	tests/gate/check/size-table.sh
 
-all: $(B)/boresight ## Build the program (build/boresight)
+all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 

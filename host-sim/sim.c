@@ -63,6 +63,22 @@ static void build_lens(struct sim *sim) {
     zoom_lens_init(&sim->lens, &lens, 0, derive_seed(sim->config.seed, 3));
 }
 
+/// The controller's end of everything: its pump, or a board.
+static bool build_controller(struct sim *sim) {
+    const struct sim_board *board = sim->config.board;
+    sim->own_node = sim->bus.node_count;
+    if (board != NULL) {
+        if (sim->config.controller->arm_on_start) {
+            board->command(board->context, COMMAND_ARM); // the board's own settings may say no
+        }
+        return board->attach(board->context, sim);
+    }
+    recorder_start(sim->config.recorder, sim->config.controller);
+    const struct pump_devices devices = {&sim->clock, &sim->node.hal, &sim->pwm};
+    return bus_node_hal_init(&sim->node, &sim->bus, sim->config.start_us) && sim_hal_bind(sim) &&
+           pump_init(&sim->pump, &sim->controller, &devices);
+}
+
 struct sim *sim_create(const struct sim_config *config) {
     struct sim *sim = calloc(1, sizeof *sim);
     if (sim == NULL) {
@@ -82,10 +98,8 @@ struct sim *sim_create(const struct sim_config *config) {
     memset(&sim->shadow, 0xA5, sizeof sim->shadow);
     (void)controller_init(&sim->controller, config->controller);
     (void)controller_init(&sim->shadow, config->controller);
-    const struct pump_devices devices = {&sim->clock, &sim->node.hal, &sim->pwm};
-    const bool built = bus_node_hal_init(&sim->node, &sim->bus, config->start_us) &&
-                       build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT) &&
-                       sim_hal_bind(sim) && pump_init(&sim->pump, &sim->controller, &devices);
+    const bool built =
+        build_controller(sim) && build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT);
     sim_check_init(sim);
     sim_measure_init(sim);
     if (!built) {
@@ -120,6 +134,21 @@ static int64_t blur_um(struct sim *sim, int64_t value_um, double deviation_m) {
     return deviation_m > 0.0 ? value_um + (int64_t)(noise(sim) * deviation_m * 1e6) : value_um;
 }
 
+/// To the pump, or to the board.
+static bool give(struct sim *sim, const struct target_update *update) {
+    const struct sim_board *board = sim->config.board;
+    return board != NULL ? board->push(board->context, update) : pump_push(&sim->pump, update);
+}
+
+static void command(struct sim *sim, uint32_t commands) {
+    const struct sim_board *board = sim->config.board;
+    if (board != NULL) {
+        board->command(board->context, commands);
+    } else {
+        pump_command(&sim->pump, commands);
+    }
+}
+
 static void move_targets(struct sim *sim) {
     const struct schedule *schedule = sim->config.schedule;
     for (size_t i = 0; i < schedule->mover_count; i++) {
@@ -141,13 +170,13 @@ static void move_targets(struct sim *sim) {
             update.position_um.x = blur_um(sim, update.position_um.x, mover->noise_m);
             update.position_um.y = blur_um(sim, update.position_um.y, mover->noise_m);
             update.position_um.z = blur_um(sim, update.position_um.z, mover->noise_m);
-            (void)!pump_push(&sim->pump, &update); // a full queue is counted by the pump
+            (void)give(sim, &update); // a full queue is counted by the pump
         }
     }
 }
 
 bool sim_push(struct sim *sim, const struct target_update *update) {
-    if (!pump_push(&sim->pump, update)) {
+    if (!give(sim, update)) {
         return false;
     }
     sim_measure_update(sim, update);
@@ -164,7 +193,7 @@ static void feed(struct sim *sim) {
     move_targets(sim);
     while (sim->next_command < sim->config.command_count &&
            sim->config.commands[sim->next_command].at_us <= sim->time_us) {
-        pump_command(&sim->pump, sim->config.commands[sim->next_command++].commands);
+        command(sim, sim->config.commands[sim->next_command++].commands);
     }
 }
 
@@ -197,17 +226,46 @@ static void run_plant(struct sim *sim, uint64_t until_ns) {
     sim->hash = pwm_servo_hash(&sim->lens.servo, sim->hash);
 }
 
-void sim_step(struct sim *sim) {
-    feed(sim);
-    pump_step(&sim->pump);
+/// After a step of the controller, wherever it ran.
+static void look_at_step(struct sim *sim) {
     controller_step(&sim->shadow, &sim->pump.input, &sim->shadow_output);
     sim_check_step(sim);
+    recorder_tick(sim->config.recorder, &sim->pump.input, &sim->pump.output);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         sim->hash = trace_hash_u64(sim->hash, sim->pump.output.pulse_ns[axis]);
     }
     sim->hash = trace_hash_u64(sim->hash, sim->tick);
-    drive_servos(sim);
+}
+
+void sim_board_start(struct sim *sim, const struct controller_config *config) {
+    (void)controller_init(&sim->shadow, config);
+    sim_check_init_axes(sim);
+    recorder_start(sim->config.recorder, config);
+}
+
+void sim_board_tick(struct sim *sim, const struct sim_board_tick *tick) {
+    sim->pump.input = *tick->input;
+    sim->pump.output = *tick->output;
+    sim->controller.mode = tick->output->status.mode;
+    sim->controller.faults = tick->output->status.faults;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        sim->controller.powered[axis] = tick->powered[axis];
+        sim->controller.ever_powered[axis] = tick->ever_powered[axis];
+    }
+    look_at_step(sim);
+}
+
+void sim_step(struct sim *sim) {
+    const struct sim_board *board = sim->config.board;
     const uint32_t tick_us = sim->config.controller->tick_us;
+    feed(sim);
+    if (board != NULL) {
+        board->run(board->context, (sim->time_us + tick_us) * 1000U);
+    } else {
+        pump_step(&sim->pump);
+        look_at_step(sim);
+    }
+    drive_servos(sim);
     run_plant(sim, (sim->time_us + tick_us) * 1000U);
     if (sim->time_us % 10000U == 0U) {
         sim_measure_step(sim);

@@ -14,6 +14,7 @@
 #include "devices/pwm_servo.h"
 #include "devices/rmd_drive.h"
 #include "plant/axis_plant.h"
+#include "replay/recording.h"
 #include "world/schedule.h"
 
 #include <stdbool.h>
@@ -28,16 +29,34 @@ struct sim_command {
     uint32_t commands; ///< enum controller_command
 };
 
+struct sim;
+
+/// What runs the controller instead of the simulator's own pump: an emulated board
+/// (mcu/mcu_board.h). It is switched on at time 0, keeps its own time, and tells of each tick of
+/// its controller by sim_board_start and sim_board_tick.
+struct sim_board {
+    /// Puts the board's CAN controller on sim->bus. False: the bus is full.
+    bool (*attach)(void *context, struct sim *sim);
+    /// What sim_push and commands would give to the pump.
+    bool (*push)(void *context, const struct target_update *update);
+    void (*command)(void *context, uint32_t commands);
+    /// Runs board and bus, and sets sim->pulse_ns to what comes out of its servo outputs.
+    void (*run)(void *context, uint64_t until_ns);
+    void *context;
+};
+
 struct sim_config {
     const struct controller_config *controller;
     const struct schedule *schedule;
     const struct sim_command *commands; ///< ascending in time
     size_t command_count;
     uint64_t seed;
-    uint32_t start_us;     ///< of the controller's clock: 0xFFFF0000 tests its wrap
-    double can_loss;       ///< probability that a frame is lost
-    double start_deg[2];   ///< pan and tilt at power-on
-    double fixed_focal_mm; ///< of the camera when there is no zoom axis
+    uint32_t start_us;             ///< of the controller's clock: 0xFFFF0000 tests its wrap
+    double can_loss;               ///< probability that a frame is lost
+    double start_deg[2];           ///< pan and tilt at power-on
+    double fixed_focal_mm;         ///< of the camera when there is no zoom axis
+    const struct sim_board *board; ///< NULL: the simulator runs the controller
+    struct recorder *recorder;     ///< gets every tick's input and output; NULL: nobody does
 };
 
 // ---------------------------------------------------------------- what it found
@@ -128,6 +147,7 @@ struct sim {
     struct hal_pwm pwm;
     struct can_bus bus;
     struct bus_node_hal node; ///< the controller's end of the bus
+    uint8_t own_node;         ///< its index there, or that of the board
     struct sim_axis axis[2];
     struct zoom_lens lens;
     uint32_t pulse_ns[SIM_PWM_CHANNELS]; ///< as the PWM channels give them
@@ -154,6 +174,18 @@ void sim_step(struct sim *sim);
 /// Besides the schedule: an update for the next tick, from outside. False: the pump's queue is
 /// full, try after a tick.
 bool sim_push(struct sim *sim, const struct target_update *update);
+
+/// From a board: its controller begins (again), with these settings, which must last.
+void sim_board_start(struct sim *sim, const struct controller_config *config);
+
+/// From a board: its controller took a step. The invariants are checked against what it put out,
+/// and a controller of this build gets the same input and must put out the same.
+struct sim_board_tick {
+    const struct controller_input *input;
+    const struct controller_output *output;
+    bool powered[AXIS_COUNT], ever_powered[AXIS_COUNT];
+};
+void sim_board_tick(struct sim *sim, const struct sim_board_tick *tick);
 
 /// What a camera on the gimbal sees at this moment: the truth, which the controller does not know.
 struct sim_view sim_observe(const struct sim *sim);

@@ -50,8 +50,12 @@ violate(struct sim *sim, enum sim_invariant invariant, const char *format, ...) 
     violations->count[invariant]++;
 }
 
-void sim_check_init(struct sim *sim) {
+void sim_check_init_axes(struct sim *sim) {
     memset(sim->check, 0, sizeof sim->check);
+}
+
+void sim_check_init(struct sim *sim) {
+    sim_check_init_axes(sim);
     memset(&sim->violations, 0, sizeof sim->violations);
 }
 
@@ -164,7 +168,7 @@ void sim_check_frame(struct sim *sim, const struct can_transfer *transfer) {
     const uint8_t command = transfer->frame.data[0];
     const bool motion =
         command == 0xA1 || command == 0xA2 || command == 0xA4 || command == 0xA6 || command == 0xA8;
-    if (transfer->sender == sim->node.node.index && motion && !may_move(sim)) {
+    if (transfer->sender == sim->own_node && motion && !may_move(sim)) {
         violate(sim, SIM_I4_UNARMED_MOTION, "frame %03X %02X in mode %s", transfer->frame.id,
                 command, controller_mode_name(sim->controller.mode));
     }

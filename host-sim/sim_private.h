@@ -8,6 +8,8 @@
 bool sim_hal_bind(struct sim *sim);
 
 void sim_check_init(struct sim *sim);
+/// Forgets the axes: their controller begins anew.
+void sim_check_init_axes(struct sim *sim);
 /// After the controller's step: I1, I2, I4, I5, I9.
 void sim_check_step(struct sim *sim);
 /// A frame on the bus that commands motion, seen by the observer: I4.

@@ -6,7 +6,8 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(host_test_c:%.c=gcc/%) \
     $(patsubst %.c,san/%,$(filter tests/cli/% tests/contract/% tests/scenario/%,$(host_test_c))) \
     $(test_scripts:%.sh=script/%) \
-    $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts)))
+    $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts))) \
+    $(mcu_runs) $(mcu_scripts:%.sh=script/%)
 include tests/mcu/mps2/mps2.mk
 logs := $(test_runs:%=$(B)/check/%.log)
 
@@ -22,6 +23,12 @@ $(foreach g,boot reproducible,$(B)/check/script/tests/gate/$(g).log): \
 $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 
 $(foreach d,script script-san,$(B)/check/$(d)/tests/cli/drive.log): $(foreach v,$(variants),$(B)/$(v)/boresight)
+
+$(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t).log): \
+    $(foreach r,/hobby /moving /watch,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)
+$(B)/check/script/tests/mcu/cpu/layout.log: $(B)/gcc/tests/mcu/layout
+$(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/exceptions
+$(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight
 
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE

@@ -1,7 +1,9 @@
 /// `boresight sim`: a scenario in the simulator.
 #include "command.h"
+#include "emulator.h"
 #include "facts.h"
 #include "make_folder.h"
+#include "replay.h"
 #include "scenario.h"
 
 #include "view/progress.h"
@@ -20,7 +22,8 @@ extern const char build_id[];
 
 struct settings {
     uint64_t seed;
-    const char *seconds_text, *speed_text, *report;
+    const char *seconds_text, *speed_text, *report, *record, *replay;
+    struct emulator_options mcu;
     double seconds, speed; ///< speed 0: as fast as it goes
     bool has_seed, json, quiet;
 };
@@ -33,6 +36,8 @@ struct run {
     struct sim *sim;
     struct story story;
     struct progress progress;
+    struct recorder recorder;
+    void *board;  ///< of the emulator; NULL: the controller runs here
     bool watched; ///< progress is told
     double wall_s;
 };
@@ -53,6 +58,16 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, speed_text), NULL},
     {"--report", "DIR", "write DIR/report.html with plots and pictures, and the pictures alone",
      option_text, offsetof(struct settings, report), NULL},
+    {"--record", "FILE", "write every input of the controller, for --replay", option_text,
+     offsetof(struct settings, record), NULL},
+    {"--replay", "FILE", "no scenario: do the controller's outputs match a recording's?",
+     option_text, offsetof(struct settings, replay), NULL},
+    {"--mcu", "IMAGE.elf", "run this image in an emulated STM32F405 instead of the controller here",
+     option_text, offsetof(struct settings, mcu.image), NULL},
+    {"--mcu-faults", "LIST", "faults of the board, as in can-short@2.5,pan-silent@3 (seconds)",
+     option_text, offsetof(struct settings, mcu.faults), NULL},
+    {"--mcu-console", "FILE", "write what the board says on its serial line; - is stderr",
+     option_text, offsetof(struct settings, mcu.console), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
     OPTION_JSON(struct settings),
 };
@@ -163,11 +178,15 @@ static void print_summary(const struct settings *settings, const struct run *run
     facts_fixed(&facts, "in_frame_percent", summary->in_frame_percent, 2);
     facts_fixed(&facts, "settle_s", summary->settle_s, 3);
     facts_fixed(&facts, "bus_load_percent", summary->bus_load_percent, 2);
-    facts_u64(&facts, "faults_injected", 0);
+    facts_u64(&facts, "faults_injected",
+              run->board != NULL ? emulator->faults_injected(run->board) : 0U);
     facts_u64(&facts, "violations", sim_violation_count(&summary->violations));
     facts_text(&facts, "mode", controller_mode_name(run->sim->controller.mode));
     facts_fixed(&facts, "times_real_time", run->wall_s > 0.0 ? summary->seconds / run->wall_s : 0.0,
                 0);
+    if (run->board != NULL) {
+        emulator->facts(run->board, &facts);
+    }
     facts_end(&facts);
 }
 
@@ -177,25 +196,48 @@ static enum exit_status conclude(const struct command *command, const struct set
     const struct sim_summary summary = sim_summarise(run->sim);
     add_facts(run, &summary);
     print_summary(settings, run, &summary);
+    if (!recorder_close(&run->recorder)) {
+        message_at(settings->record, 0, "%s", strerror(errno));
+        return EXIT_STATUS_FAILURE;
+    }
     if (sim_violation_count(&summary.violations) == 0U) {
-        return EXIT_STATUS_OK;
+        return run->board == NULL || emulator->is_sound(run->board) ? EXIT_STATUS_OK
+                                                                    : EXIT_STATUS_FAILURE;
     }
     message_command(command->name, "invariant violated at %.3f s: %s",
                     (double)summary.violations.first_us * 1e-6, summary.violations.first);
     return EXIT_STATUS_FAILURE;
 }
 
-static enum exit_status simulate(const struct command *command, const struct settings *settings,
-                                 const char *file, struct run *run) {
-    const enum exit_status status = scenario_read(file, &run->scenario);
-    if (status != EXIT_STATUS_OK) {
-        return status;
-    }
+/// What the options add to a scenario: another length and seed, a recording, a board.
+static enum exit_status apply(const struct settings *settings, struct run *run) {
+    struct sim_config *sim = &run->scenario.sim;
     if (settings->seconds_text != NULL) {
         run->scenario.duration_us = (uint64_t)(settings->seconds * 1e6);
     }
     if (settings->has_seed) {
-        run->scenario.sim.seed = settings->seed;
+        sim->seed = settings->seed;
+    }
+    if (settings->record != NULL) {
+        if (!recorder_open(&run->recorder, settings->record)) {
+            message_at(settings->record, 0, "%s", strerror(errno));
+            return EXIT_STATUS_FAILURE;
+        }
+        sim->recorder = &run->recorder;
+    }
+    return settings->mcu.image != NULL
+               ? emulator->open(&settings->mcu, sim->controller, &sim->board, &run->board)
+               : EXIT_STATUS_OK;
+}
+
+static enum exit_status simulate(const struct command *command, const struct settings *settings,
+                                 const char *file, struct run *run) {
+    enum exit_status status = scenario_read(file, &run->scenario);
+    if (status == EXIT_STATUS_OK) {
+        status = apply(settings, run);
+    }
+    if (status != EXIT_STATUS_OK) {
+        return status;
     }
     run->sim = sim_create(&run->scenario.sim);
     if (run->sim == NULL || !story_begin(&run->story, run->sim, run->scenario.name, build_id,
@@ -276,6 +318,10 @@ static enum exit_status simulate_all(const struct command *command, const struct
     for (size_t i = 0; i < done; i++) {
         story_end(&runs[i].story);
         sim_destroy(runs[i].sim);
+        (void)recorder_close(&runs[i].recorder);
+        if (runs[i].board != NULL) {
+            emulator->close(runs[i].board);
+        }
         scenario_free(&runs[i].scenario);
     }
     free(runs);
@@ -290,9 +336,25 @@ static enum exit_status run_command(const struct command *command, int argc, cha
                       files, RUNS_MOST, &count)) {
         return EXIT_STATUS_USAGE;
     }
-    if (count == 0U) {
-        message_command(command->name, "which scenario? give its file");
+    if ((count == 0U) != (settings.replay != NULL)) {
+        message_command(command->name, count == 0U ? "which scenario? give its file"
+                                                   : "--replay takes no scenario");
         return EXIT_STATUS_USAGE;
+    }
+    if (settings.replay != NULL) {
+        return replay_file(command, settings.replay, settings.json);
+    }
+    if (settings.mcu.image == NULL &&
+        (settings.mcu.faults != NULL || settings.mcu.console != NULL)) {
+        message_command(command->name, "--mcu-faults and --mcu-console belong to --mcu");
+        return EXIT_STATUS_USAGE;
+    }
+    if (settings.record != NULL && count != 1U) {
+        message_command(command->name, "--record takes one scenario");
+        return EXIT_STATUS_USAGE;
+    }
+    if (settings.mcu.image != NULL && emulator == NULL) {
+        return emulator_run_program(command->name, argc, argv);
     }
     const bool limited = settings.speed_text != NULL && strcmp(settings.speed_text, "max") != 0;
     if ((settings.seconds_text != NULL &&

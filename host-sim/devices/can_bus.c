@@ -191,6 +191,20 @@ static uint64_t next_start(const struct can_bus *bus) {
     return start > bus->now_ns ? start : bus->now_ns; // a node that was offline sends now, not then
 }
 
+uint64_t can_bus_next_ns(const struct can_bus *bus) {
+    uint64_t next_ns = bus->busy ? bus->current.end_ns : UINT64_MAX;
+    for (unsigned i = 0; !bus->busy && i < bus->node_count; i++) {
+        if (bus->nodes[i]->count != 0U && !bus->nodes[i]->offline) {
+            next_ns = next_start(bus);
+        }
+    }
+    if (bus->delayed_count != 0U) {
+        const uint64_t due = bus->delayed[0].end_ns + bus->delayed[0].delay_ns;
+        next_ns = due < next_ns ? due : next_ns;
+    }
+    return next_ns;
+}
+
 static void begin_transfer(struct can_bus *bus, uint64_t start_ns) {
     const struct can_node *winner = NULL;
     const struct can_pending *best = NULL;

@@ -122,6 +122,11 @@ void can_bus_drop_queue(struct can_bus *bus, struct can_node *node);
 /// does not start yet, so that frames sent at t_ns still compete with it.
 void can_bus_run_until(struct can_bus *bus, uint64_t t_ns);
 
+/// When something happens next if nobody sends anything more: a frame starts, ends, or is heard
+/// late. UINT64_MAX: nothing will. can_bus_run_until needs one nanosecond more than that for a
+/// start.
+uint64_t can_bus_next_ns(const struct can_bus *bus);
+
 /// Bits on the wire from start of frame to end of frame, stuff bits included, intermission not.
 unsigned can_frame_bits(const struct can_timing *timing, const struct can_frame *frame);
 

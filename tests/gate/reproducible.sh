@@ -7,7 +7,7 @@ id=$(sed -n 's/^const char build_id\[\] = "\(.*\)";/\1/p' build/build_id.c)
 dir=$(mktemp -d)
 copy=$dir/a/folder/with/a/longer/name
 mkdir -p "$copy/build/gcc"
-git ls-files --cached --others --exclude-standard Makefile boards firmware hal host-sim/rigs 'tests/*.mk' |
+git ls-files --cached --others --exclude-standard Makefile boards firmware hal host-sim/rigs 'host-sim/*.mk' 'tests/*.mk' |
     while read -r file; do [ ! -e "$file" ] || cp --parents "$file" "$copy"; done
 cp build/boresight "$copy/build/boresight" # the program that writes the rig as C is not what is tested
 
