@@ -74,10 +74,9 @@ struct stm32f4_clocks stm32f4_clocks_start(uint32_t crystal_mhz) {
 }
 
 const char *stm32f4_clocks_state_name(enum stm32f4_clocks_state state) {
-    static const char *const names[] = {"crystal and PLL run", "the crystal does not oscillate",
-                                        "the PLL does not lock",
-                                        "the flash does not take its wait states",
-                                        "the chip does not switch to the PLL"};
+    static const char *const names[] = {
+        "crystal and PLL run", "the crystal does not oscillate", "the PLL does not lock",
+        "the flash does not take its wait states", "the chip does not switch to the PLL"};
     return names[state];
 }
 
