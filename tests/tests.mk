@@ -9,6 +9,7 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts))) \
     $(mcu_runs) $(mcu_scripts:%.sh=script/%)
 include tests/mcu/mps2/mps2.mk
+include tests/mcu/tick/tick.mk
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check

@@ -33,11 +33,14 @@ static int sure_angle(struct vec3 a, struct vec3 b, struct vec3 c) {
 
 struct min_norm_filter min_norm_filter(const struct min_norm *support) {
     const struct vec3_i64 n = support->rough_normal;
-    return (struct min_norm_filter){.plane = support->count == 3U,
-                                    .a = support->point[0].unit_q30,
-                                    // One point is the ball shrunk to it.
-                                    .b = support->point[support->count == 2U ? 1 : 0].unit_q30,
-                                    .normal = {n.x >> 32, n.y >> 32, n.z >> 32}};
+    struct min_norm_filter filter = {
+        .plane = support->count == 3U,
+        .a = support->point[0].unit_q30,
+        // One point is the ball shrunk to it.
+        .b = support->point[support->count == 2U ? 1 : 0].unit_q30,
+        .normal = vec3((int32_t)(n.x >> 32), (int32_t)(n.y >> 32), (int32_t)(n.z >> 32))};
+    filter.offset = min_norm_product(filter.plane ? filter.normal : filter.b, filter.a);
+    return filter;
 }
 
 // ---------------------------------------------------------------- exact tests

@@ -58,7 +58,8 @@ struct min_norm_filter {
     bool plane; ///< three points: their plane; else the ball on the chord a b, outside of which
                 ///< unit vectors violate
     struct vec3 a, b;
-    struct vec3_i64 normal; ///< of the plane, away from zero, at most 2^30
+    struct vec3 normal; ///< of the plane, away from zero, at most 2^30
+    uint64_t offset;    ///< plane: normal . a; ball: a . b
 };
 
 struct min_norm_filter min_norm_filter(const struct min_norm *support);
@@ -78,10 +79,20 @@ static inline int64_t min_norm_dot(struct vec3_i64 a, struct vec3_i64 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// Dot product that wraps: a sum may pass 2^63 on the way, and vectors that are no units may.
+static inline uint64_t min_norm_product(struct vec3 a, struct vec3 b) {
+    return (uint64_t)((int64_t)a.x * b.x) + (uint64_t)((int64_t)a.y * b.y) +
+           (uint64_t)((int64_t)a.z * b.z);
+}
+
+/// normal . (u - a), or -(u - a) . (u - b), multiplied out: factors of 32 bits, which is a quarter
+/// of the instructions on a Cortex-M4.
 static inline int64_t min_norm_depth(const struct min_norm_filter *filter, struct vec3 unit_q30) {
-    const struct vec3_i64 from_a = vec3_between(filter->a, unit_q30);
-    return filter->plane ? min_norm_dot(filter->normal, from_a)
-                         : -min_norm_dot(from_a, vec3_between(filter->b, unit_q30));
+    if (filter->plane) {
+        return (int64_t)(min_norm_product(filter->normal, unit_q30) - filter->offset);
+    }
+    return (int64_t)(min_norm_product(filter->a, unit_q30) + min_norm_product(filter->b, unit_q30) -
+                     min_norm_product(unit_q30, unit_q30) - filter->offset);
 }
 
 /// Takes in a point that violates; the support becomes that of the hull of both, and its norm gets

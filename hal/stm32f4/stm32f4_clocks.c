@@ -38,11 +38,16 @@ static enum stm32f4_clocks_state start_pll(uint32_t crystal_mhz) {
     if (!cortexm_wait_bits(&rcc->cr, STM32F4_RCC_CR_PLLRDY, STM32F4_RCC_CR_PLLRDY, SHORT_READS)) {
         return STM32F4_CLOCKS_NO_PLL;
     }
-    // 3.5.1: five wait states before the clock is fast, at 2.7 V and more.
+    // 3.5.1: five wait states before the clock is fast, at 2.7 V and more; read back, they are in
+    // force.
     const uint32_t prefetch =
         *STM32F4_DBGMCU_IDCODE >> 16 > REVISION_A ? STM32F4_FLASH_ACR_PREFETCH : 0;
     STM32F4_FLASH->acr = STM32F4_FLASH_ACR_LATENCY_5 | STM32F4_FLASH_ACR_INSTRUCTION_CACHE |
                          STM32F4_FLASH_ACR_DATA_CACHE | prefetch;
+    if (!cortexm_wait_bits(&STM32F4_FLASH->acr, STM32F4_FLASH_ACR_LATENCY,
+                           STM32F4_FLASH_ACR_LATENCY_5, SHORT_READS)) {
+        return STM32F4_CLOCKS_NO_FLASH;
+    }
     // 7.3.3: at most 42 MHz on APB1, 84 MHz on APB2.
     rcc->cfgr = STM32F4_RCC_CFGR_PPRE1_DIV4 | STM32F4_RCC_CFGR_PPRE2_DIV2;
     rcc->cfgr |= STM32F4_RCC_CFGR_SW_PLL;
@@ -69,9 +74,9 @@ struct stm32f4_clocks stm32f4_clocks_start(uint32_t crystal_mhz) {
 }
 
 const char *stm32f4_clocks_state_name(enum stm32f4_clocks_state state) {
-    static const char *const names[] = {"crystal and PLL run", "the crystal does not oscillate",
-                                        "the PLL does not lock",
-                                        "the chip does not switch to the PLL"};
+    static const char *const names[] = {
+        "crystal and PLL run", "the crystal does not oscillate", "the PLL does not lock",
+        "the flash does not take its wait states", "the chip does not switch to the PLL"};
     return names[state];
 }
 

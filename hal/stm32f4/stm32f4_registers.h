@@ -60,6 +60,7 @@ struct stm32f4_flash {
 };
 #define STM32F4_FLASH ((struct stm32f4_flash *)0x40023C00U)
 enum {
+    STM32F4_FLASH_ACR_LATENCY = 7 << 0,
     STM32F4_FLASH_ACR_LATENCY_5 = 5,
     STM32F4_FLASH_ACR_PREFETCH = 1 << 8,
     STM32F4_FLASH_ACR_INSTRUCTION_CACHE = 1 << 9,

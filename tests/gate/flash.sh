@@ -67,5 +67,10 @@ plug 0483:3748 'STM32 STLink'
 debug 'debug' 0 'ran gdb-multiarch -q x.elf -ex target extended-remote . openocd -f interface/stlink.cfg -f target/x.cfg'
 (expect 'an expectation' 0 'ran gdb' true) | grep -q '^FAIL'
 verdict 'an expectation that is not met is a failure' $?
+for target in firmware flash debug; do
+    said=$(make -s --no-print-directory $target BOARD=toaster 2>&1)
+    [ $? -eq 2 ] && printf '%s\n' "$said" | grep -q '^Which board? BOARD=NAME, one of: .*stm32f405'
+    verdict "make $target of a board that is none says which there are" $?
+done
 rm -r "$dir"
 exit $status

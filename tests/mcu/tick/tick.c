@@ -1,0 +1,337 @@
+/// Counts the instructions of a control tick with a full set of targets, re-aimed in every tick.
+///
+/// Linked from the very objects of a board's image, with drives, pins and console of its own that
+/// cost next to nothing. Runs under QEMU with `-icount shift=10`, where an instruction takes 1024
+/// ns and the 25 MHz system timer of the MPS2 board counts 25.6 for each. Prints `tick SCENE
+/// COUNT`, of the most expensive tick of each, or why there is none. tests/gate/tick.sh has the
+/// limits.
+#include "app/board_loop.h"
+#include "compiled_rig.h"
+#include "cortexm/cortexm.h"
+#include "drive/rmd.h"
+#include "link/text.h"
+#include "semihost.h"
+
+int main(void);
+
+// ---------------------------------------------------------------- the meter
+
+#define COUNTER_MASK 0xFFFFFFU
+
+static uint32_t overhead;
+
+/// 128 / 5 counts an instruction.
+static uint32_t instructions(uint32_t start, uint32_t end) {
+    return (((start - end) & COUNTER_MASK) * 5U + 64U) / 128U;
+}
+
+static uint32_t counter(void) {
+    return CORTEXM_SYSTICK->value;
+}
+
+__attribute__((noinline)) static uint32_t count_nops(void) {
+    const uint32_t start = counter();
+    __asm volatile(".rept 1000\n nop\n .endr" ::: "memory");
+    return instructions(start, counter());
+}
+
+/// False: the emulator does not count as it should.
+static bool start_meter(void) {
+    CORTEXM_SYSTICK->reload = COUNTER_MASK;
+    CORTEXM_SYSTICK->value = 0;
+    CORTEXM_SYSTICK->control = CORTEXM_SYSTICK_ENABLE | CORTEXM_SYSTICK_CORE_CLOCK;
+    const uint32_t start = counter();
+    overhead = instructions(start, counter());
+    const uint32_t nops = count_nops() - overhead;
+    return nops >= 999U && nops <= 1001U;
+}
+
+static void say(const char *what, const char *name, uint32_t number) {
+    char line[96];
+    struct text text;
+    text_begin(&text, line, sizeof line);
+    text_string(&text, what);
+    text_string(&text, " ");
+    text_string(&text, name);
+    text_string(&text, " ");
+    text_unsigned(&text, number, 0);
+    text_string(&text, "\n");
+    semihost_write(line, text.size_bytes);
+}
+
+// ---------------------------------------------------------------- devices
+
+static uint32_t now_us_value;
+
+static uint32_t now_us(void *ctx) {
+    (void)ctx;
+    return now_us_value;
+}
+
+/// A bus with drives that are where they were told to be, and answer everything at once.
+#define REPLIES 8U
+static struct can_frame reply[REPLIES];
+static uint32_t reply_put, reply_taken;
+static int32_t angle_cdeg[RMD_ID_MAX + 1U];
+
+static enum hal_status can_send(void *ctx, const struct can_frame *frame) {
+    (void)ctx;
+    struct can_frame *answer = &reply[reply_put++ % REPLIES];
+    const uint32_t id = frame->id - 0x140U;
+    *answer = *frame;
+    answer->id = frame->id + RMD_REPLY_OFFSET_V3;
+    const uint32_t word = (uint32_t)frame->data[4] | (uint32_t)frame->data[5] << 8 |
+                          (uint32_t)frame->data[6] << 16 | (uint32_t)frame->data[7] << 24;
+    switch (frame->data[0]) {
+    case RMD_POSITION:
+        angle_cdeg[id] = (int32_t)word;
+        break;
+    case RMD_READ_ANGLE:
+        for (unsigned i = 0; i < 4U; i++) {
+            answer->data[4U + i] = (uint8_t)((uint32_t)angle_cdeg[id] >> 8U * i);
+        }
+        break;
+    default:
+        break;
+    }
+    return HAL_OK;
+}
+
+static enum hal_status can_receive(void *ctx, struct can_frame *frame, uint32_t *received_us) {
+    (void)ctx;
+    if (reply_taken == reply_put) {
+        return HAL_EMPTY;
+    }
+    *frame = reply[reply_taken++ % REPLIES];
+    *received_us = now_us_value;
+    return HAL_OK;
+}
+
+static enum hal_status can_state(void *ctx, struct hal_can_state *state) {
+    (void)ctx;
+    *state = (struct hal_can_state){.health = HAL_CAN_ACTIVE};
+    return HAL_OK;
+}
+
+static enum hal_status can_set_filters(void *ctx, const struct hal_can_filter *filters,
+                                       uint32_t count) {
+    (void)ctx, (void)filters, (void)count;
+    return HAL_OK;
+}
+
+static enum hal_status can_restart(void *ctx) {
+    (void)ctx;
+    return HAL_OK;
+}
+
+static enum hal_status pwm_limits(void *ctx, uint32_t channel, struct hal_pwm_limits *limits) {
+    (void)ctx, (void)channel;
+    *limits = (struct hal_pwm_limits){20000000, 20000000, 20000000, 500};
+    return HAL_OK;
+}
+
+static enum hal_status pwm_set(void *ctx, uint32_t channel, uint32_t ns) {
+    (void)ctx, (void)channel, (void)ns;
+    return HAL_OK;
+}
+
+static enum hal_status gpio_read(void *ctx, uint32_t line, bool *active) {
+    (void)ctx, (void)line;
+    *active = false;
+    return HAL_OK;
+}
+
+static enum hal_status gpio_write(void *ctx, uint32_t line, bool active) {
+    (void)ctx, (void)line, (void)active;
+    return HAL_OK;
+}
+
+static enum hal_status serial_write(void *ctx, const uint8_t *data, size_t size_bytes,
+                                    size_t *written_bytes) {
+    (void)ctx, (void)data;
+    *written_bytes = size_bytes;
+    return HAL_OK;
+}
+
+static enum hal_status serial_read(void *ctx, uint8_t *data, size_t capacity_bytes,
+                                   size_t *read_bytes) {
+    (void)ctx, (void)data, (void)capacity_bytes;
+    *read_bytes = 0;
+    return HAL_EMPTY;
+}
+
+static enum hal_status serial_state(void *ctx, struct hal_serial_state *state) {
+    (void)ctx;
+    *state = (struct hal_serial_state){0, 0};
+    return HAL_OK;
+}
+
+static enum hal_status watchdog_start(void *ctx, uint32_t timeout_us) {
+    (void)ctx, (void)timeout_us;
+    return HAL_OK;
+}
+
+static enum hal_status watchdog_feed(void *ctx) {
+    (void)ctx;
+    return HAL_OK;
+}
+
+static enum hal_status watchdog_reset_cause(void *ctx, enum hal_reset_cause *cause) {
+    (void)ctx;
+    *cause = HAL_RESET_POWER_ON;
+    return HAL_OK;
+}
+
+static const struct hal_clock_ops clock_ops = {now_us};
+static const struct hal_can_ops can_ops = {can_send, can_receive, can_state, can_set_filters,
+                                           can_restart};
+static const struct hal_pwm_ops pwm_ops = {pwm_limits, pwm_set, pwm_set};
+static const struct hal_gpio_ops gpio_ops = {gpio_read, gpio_write};
+static const struct hal_serial_ops serial_ops = {serial_write, serial_read, serial_state};
+static const struct hal_watchdog_ops watchdog_ops = {watchdog_start, watchdog_feed,
+                                                     watchdog_reset_cause};
+static const struct hal_clock hal_clock = {&clock_ops, NULL};
+static const struct hal_can can = {&can_ops, NULL};
+static const struct hal_pwm pwm = {&pwm_ops, NULL};
+static const struct hal_gpio gpio = {&gpio_ops, NULL};
+static const struct hal_serial serial = {&serial_ops, NULL};
+static const struct hal_watchdog watchdog = {&watchdog_ops, NULL};
+
+// ---------------------------------------------------------------- the scenes
+
+/// How far out targets lie, in front of a gimbal that looks south, and how they move. Lengths in
+/// micrometres.
+struct scene {
+    const char *name;
+    int32_t spread_um; ///< to either side, of a plane 20 m ahead
+    int32_t step_um;   ///< of each target, a report, in a random direction that it keeps
+    uint32_t radius_um;
+    bool ring;        ///< all near one circle, so that who is outermost changes all the time
+    uint32_t reports; ///< a tick
+};
+
+/// A serial line of 115,200 baud carries 11.5 characters a tick, and a report has six at least.
+#define LINE_REPORTS 2U
+
+static const struct scene scenes[] = {
+    {"crowd", 8000000, 6000, 0, false, LINE_REPORTS},
+    {"wide", 80000000, 40000, 0, false, LINE_REPORTS},
+    {"narrow", 30000, 20, 0, false, LINE_REPORTS},
+    {"ring", 8000000, 3000, 0, true, LINE_REPORTS},
+    {"radii", 8000000, 6000, 250000, false, LINE_REPORTS},
+    {"burst", 8000000, 6000, 0, false, CONTROLLER_UPDATES_MAX},
+};
+_Static_assert(TARGET_CAPACITY == 256U, "the budgets are those of 256 targets");
+
+#define AHEAD_UM   INT64_C(20000000)
+#define WARM_TICKS 1500U // after a second the lens is taken to be at home
+#define TICKS      250U
+
+static struct board_loop loop;
+static struct vec3_i64 position_um[TARGET_CAPACITY], step_um[TARGET_CAPACITY];
+static uint64_t random_state;
+
+/// -most to most.
+static int64_t random_within(int32_t most) {
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 7;
+    random_state ^= random_state << 17;
+    return (int64_t)((random_state >> 32) * (2U * (uint64_t)most + 1U) >> 32) - most;
+}
+
+static struct vec3_i64 add(struct vec3_i64 a, struct vec3_i64 b) {
+    return (struct vec3_i64){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static void place_targets(const struct scene *scene) {
+    random_state = UINT64_C(0x9E3779B97F4A7C15);
+    for (uint32_t i = 0; i < TARGET_CAPACITY; i++) {
+        int64_t x = random_within(scene->spread_um), z = random_within(scene->spread_um);
+        if (scene->ring) { // onto the circle, but for a thousandth
+            const struct vec3 unit = vec3_i64_normalise((struct vec3_i64){x, 0, z});
+            const int64_t size = scene->spread_um + random_within(scene->spread_um / 1000);
+            x = unit.x * size >> 30;
+            z = unit.z * size >> 30;
+        }
+        position_um[i] = add(compiled_rig.position_um, (struct vec3_i64){x, -AHEAD_UM, z});
+        step_um[i] =
+            (struct vec3_i64){random_within(scene->step_um), 0, random_within(scene->step_um)};
+    }
+}
+
+static bool report_targets(const struct scene *scene, uint32_t count, uint32_t *next) {
+    for (uint32_t i = 0; i < count; i++, *next = (*next + 1U) % TARGET_CAPACITY) {
+        position_um[*next] = add(position_um[*next], step_um[*next]);
+        const struct target_update update = {.kind = TARGET_POSITION,
+                                             .id = 1000U + *next,
+                                             .weight_q16 = TARGET_WEIGHT_ONE_Q16,
+                                             .position_um = position_um[*next],
+                                             .radius_um = scene->radius_um};
+        if (!pump_push(&loop.pump, &update)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void start_loop(void) {
+    static const char *const no_notes[] = {NULL};
+    static const struct board_config config = {.controller = &compiled_rig, .notes = no_notes};
+    reply_put = reply_taken = 0;
+    board_loop_init(&loop, &config,
+                    &(struct board_devices){.pump = {.clock = &hal_clock, .can = &can, .pwm = &pwm},
+                                            .gpio = &gpio,
+                                            .console = &serial,
+                                            .watchdog = &watchdog});
+    pump_command(&loop.pump, COMMAND_ARM);
+}
+
+/// Why the scene was not measured, or NULL.
+static const char *run(const struct scene *scene, uint32_t *most) {
+    start_loop();
+    place_targets(scene);
+    uint32_t next = 0;
+    *most = 0;
+    for (uint32_t tick = 0; tick < WARM_TICKS + TICKS; tick++) {
+        const uint32_t solved = loop.controller.aims_solved;
+        const bool warm = tick >= WARM_TICKS;
+        now_us_value += compiled_rig.tick_us;
+        const bool first = tick < TARGET_CAPACITY / CONTROLLER_UPDATES_MAX;
+        const uint32_t reports = first ? CONTROLLER_UPDATES_MAX : warm ? scene->reports : 0U;
+        if (!report_targets(scene, reports, &next)) {
+            return "reports are left over";
+        }
+        const uint32_t start = counter();
+        board_loop_tick(&loop, 0);
+        const uint32_t count = instructions(start, counter()) - overhead;
+        if (warm && loop.pump.output.status.target_count != TARGET_CAPACITY) {
+            return "targets are missing";
+        }
+        if (warm && loop.pump.output.status.mode != MODE_TRACKING) {
+            return controller_mode_name(loop.pump.output.status.mode);
+        }
+        if (warm && loop.controller.aims_solved == solved) {
+            return "nothing was aimed";
+        }
+        *most = warm && count > *most ? count : *most;
+    }
+    return NULL;
+}
+
+int main(void) {
+    if (!start_meter()) {
+        say("error", "the emulator does not count 1000 instructions as such but", count_nops());
+        return 1;
+    }
+    for (unsigned i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        uint32_t most;
+        const char *why = run(&scenes[i], &most);
+        if (why != NULL) {
+            say("error", scenes[i].name, i);
+            say("error", why, i);
+            return 1;
+        }
+        say("tick", scenes[i].name, most);
+    }
+    return 0;
+}
