@@ -20,7 +20,7 @@
 #include <stdlib.h>
 
 static uint64_t seed;
-static unsigned long small_count = 60000UL;
+static unsigned long small_count = 20000UL;
 static double excess_rad_max;
 
 static uint32_t below(uint32_t limit) {
