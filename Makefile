@@ -50,8 +50,9 @@ gcc_cc := gcc
 gcc_flags := -O2
 clang_cc := clang
 clang_flags := -O2
+# The debug build: with BORESIGHT_DEBUG the methods of the cone prove each of their own answers.
 san_cc := clang
-san_flags := -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+san_flags := -O1 -DBORESIGHT_DEBUG -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 san_ld := -fsanitize=address,undefined
 variants := gcc clang san
 arm_cores := cortex-m0plus cortex-m4

@@ -6,6 +6,8 @@
 
 #include "aim/orient.h"
 #include "sphere/cone.h"
+#include "sphere/pyramid.h"
+#include "sphere/shrink.h"
 
 #include <stdlib.h>
 
@@ -31,17 +33,48 @@ static enum cone_status solve_pivot(const struct points *points, struct cone_res
     return status;
 }
 
+static enum cone_status solve_shrink(const struct points *points, struct cone_result *result) {
+    const size_t bytes = SHRINK_WORKSPACE_BYTES(points->count);
+    void *const workspace = malloc(bytes);
+    if (workspace == NULL && bytes != 0U) {
+        return CONE_ERROR_WORKSPACE;
+    }
+    struct shrink_result shrunk;
+    const enum cone_status status =
+        shrink_narrowest(points->directions, points->count, workspace, bytes, &shrunk);
+    *result = shrunk.cone;
+    free(workspace);
+    return status;
+}
+
+static enum cone_status solve_pyramid(const struct points *points, struct cone_result *result) {
+    const size_t bytes = PYRAMID_WORKSPACE_BYTES(points->count);
+    void *const workspace = malloc(bytes);
+    if (workspace == NULL && bytes != 0U) {
+        return CONE_ERROR_WORKSPACE;
+    }
+    struct pyramid_result built;
+    const enum cone_status status =
+        pyramid_narrowest(points->directions, points->count, workspace, bytes, &built);
+    *result = built.cone;
+    free(workspace);
+    return status;
+}
+
 /// The methods that --method chooses from; method_names holds the same names in the same order.
 static const struct method {
     const char *name; ///< as it stands in the results
     solve_function *solve;
-} methods[] = {{"pivot", solve_pivot}, {"pivot", solve_pivot}};
-static const char *const method_names[] = {"auto", "pivot", NULL};
+} methods[] = {{"pivot", solve_pivot},
+               {"pivot", solve_pivot},
+               {"shrink", solve_shrink},
+               {"pyramid", solve_pyramid}};
+static const char *const method_names[] = {"auto", "pivot", "shrink", "pyramid", NULL};
 
 static const struct option options[] = {
     POINT_OPTIONS(struct settings, points),
-    {"--method", "NAME", "auto or pivot (auto)", option_choice, offsetof(struct settings, method),
-     method_names},
+    {"--method", "NAME", "auto, pivot, shrink or pyramid (auto)", option_choice,
+     offsetof(struct settings, method), method_names},
     {"--up", "X,Y,Z", "what shall be up in the picture (0,0,1)", option_triple,
      offsetof(struct settings, up), NULL},
     OPTION_JSON(struct settings),

@@ -5,6 +5,7 @@
 #include "fixed/must_check.h"
 #include "fixed/vec3.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,8 +20,20 @@ enum hull_status {
 };
 
 /// Bytes of workspace for count points, 4-byte aligned: the angular order, a spare for the sort,
-/// and the list.
-#define HULL_WORKSPACE_BYTES(count) ((size_t)(count)*3U * sizeof(uint32_t))
+/// the list, and the buckets.
+#define HULL_WORKSPACE_BYTES(count) (((size_t)(count)*4U + 1U) * sizeof(uint32_t))
+
+/// How the angles are sorted.
+enum hull_order {
+    HULL_ORDER_MERGE,  ///< count log2 count comparisons, whatever the angles
+    HULL_ORDER_BUCKETS ///< expected O(count); at worst as many as merging
+};
+
+struct hull_options {
+    enum hull_order order;
+    /// First drop the points inside a polygon of a few extreme ones (sphere/hull_filter.h).
+    bool filter;
+};
 
 struct hull_result {
     /// HULL_OK: indices of the extreme directions, in the workspace; strictly convex, clockwise as
@@ -34,16 +47,27 @@ struct hull_result {
     uint32_t witness[4];
     /// HULL_ERROR_ZERO_VECTOR.
     uint32_t bad_index;
+    /// What it cost: points that the filter left, and exact comparisons of two angles in all.
+    uint32_t kept;
+    uint64_t comparisons;
 };
 
 /// The extreme directions. Of equal directions the first is taken; points on an edge are not
-/// extreme. points:   count directions, components any int32, any length; not modified. Cost:
-/// O(count log count): a merge sort by exact angle, then one scan. No allocation, no recursion.
+/// extreme.
+/// points:   count directions, components any int32, any length; not modified.
+/// Cost:     a filter of about 6 dot products a point, then a sort by exact angle of those that it
+///           leaves, expected O(count) with buckets, at worst O(count log count), then one scan
+///           (make bench-cone). No allocation, no recursion.
 /// Accuracy: exact: every decision is the sign of a 96-bit determinant
 ///           (tests/property/hull_exact.c compares with brute force over all pairs).
 /// Source:   Anderson 1985, section 3 (Graham's scan on the sphere), as corrected in
-/// docs/geometry.md.
+///           docs/geometry.md.
 enum hull_status hull_spherical(const struct vec3 *points, uint32_t count, void *workspace,
                                 size_t workspace_bytes, struct hull_result *result) MUST_CHECK;
+
+/// The same with a choice of how.
+enum hull_status hull_by(const struct vec3 *points, uint32_t count,
+                         const struct hull_options *options, void *workspace,
+                         size_t workspace_bytes, struct hull_result *result) MUST_CHECK;
 
 #endif

@@ -139,6 +139,36 @@ static enum hull_status solve(const struct vec3 *points, uint32_t count,
     return hull_spherical(points, count, workspace, HULL_WORKSPACE_BYTES(count), result);
 }
 
+/// Every way to sort and to filter: the same answer. Which points witness may differ.
+static bool all_ways_agree(const struct vec3 *points, uint32_t count, enum hull_status status,
+                           const struct hull_result *wanted) {
+    static uint32_t corners[20000], other[HULL_WORKSPACE_BYTES(20000) / sizeof(uint32_t)];
+    for (uint32_t i = 0; i < wanted->vertex_count; i++) {
+        corners[i] = wanted->vertices[i];
+    }
+    for (unsigned way = 0; way < 4U; way++) {
+        const struct hull_options options = {way / 2U == 0U ? HULL_ORDER_MERGE : HULL_ORDER_BUCKETS,
+                                             way % 2U != 0U};
+        struct hull_result result;
+        if (!CHECK_EQ(hull_by(points, count, &options, other, HULL_WORKSPACE_BYTES(count), &result),
+                      status) ||
+            !CHECK_EQ(result.vertex_count, wanted->vertex_count)) {
+            return false;
+        }
+        for (uint32_t i = 0; i < result.vertex_count; i++) {
+            if (!CHECK_EQ(result.vertices[i], corners[i])) {
+                return false;
+            }
+        }
+        if (status == HULL_NOT_HEMISPHERICAL &&
+            !CHECK(exact_check_witness(points, count, result.witness, result.witness_count) ==
+                   NULL)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool check_small(const struct vec3 *points, uint32_t count) {
     struct hull_result result;
     const enum hull_status status = solve(points, count, &result);
@@ -159,6 +189,7 @@ static bool check_small(const struct vec3 *points, uint32_t count) {
             right = CHECK_EQ(result.vertices[i], wanted[i]);
         }
     }
+    right = right && all_ways_agree(points, count, status, &result);
     if (!right) {
         print_set(points, count, &result);
     }
@@ -252,6 +283,7 @@ static void random_larger_sets(void) {
             right = CHECK_EQ(status, HULL_OK) && CHECK(result.vertex_count > 0U) &&
                     CHECK(is_hull(points, count, &result));
         }
+        right = right && all_ways_agree(points, count, status, &result);
         if (!right) {
             print_set(points, count, &result);
         }

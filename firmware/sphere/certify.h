@@ -1,0 +1,35 @@
+/// Exact certificates of a narrowest cone: does the named support, or the named witness, prove the
+/// answer?
+///
+/// The methods that decide on the true directions (all but the pivot solver, which decides on
+/// Q2.61) check their own answers with these where BORESIGHT_DEBUG is defined (the sanitizers'
+/// build), and trap if one fails.
+#ifndef SPHERE_CERTIFY_H
+#define SPHERE_CERTIFY_H
+
+#include "fixed/vec3.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// Are these one to three points on a circle smaller than a great one that has all points
+/// inside or on it, and that no smaller one around these points could replace: one direction,
+/// the ends of a diameter, or a triangle without an obtuse angle?
+/// Cost:      count exact tests (sphere/site.h).
+/// Accuracy:  exact: it is the definition of the narrowest cone's support (Anderson 1985, Lemma
+///            2).
+/// Shown:     tests/property/methods.c, also that it refuses wrong supports.
+bool certify_support(const struct vec3 *points, uint32_t count, const uint32_t *support,
+                     uint32_t support_count);
+
+/// Do these two to four points surround the viewpoint, each with a positive weight? Exact.
+bool certify_witness(const struct vec3 *points, const uint32_t *witness, uint8_t witness_count);
+
+/// For debug builds: ends the program where an own answer is not proved.
+#ifdef BORESIGHT_DEBUG
+#define CERTIFY(proved) ((proved) ? (void)0 : __builtin_trap())
+#else
+#define CERTIFY(proved) ((void)0)
+#endif
+
+#endif
