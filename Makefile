@@ -32,8 +32,6 @@ host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c te
 test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
 mcu_test_c := $(wildcard tests/mcu/*.c tests/mcu/*/*.c tests/mcu/*/*/*.c)
 all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c)
-formatted := $(sort $(all_c) $(wildcard firmware/*/*.h hal/*/*.[ch] hal/*/*/*.h host-sim/*.h host-sim/*/*.h \
-    boards/*/*.[ch] host-sim/mcu/*.c tests/*.h tests/*/*.h tests/*/*/*.h))
 
 # ---------------------------------------------------------------- flags
 warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
@@ -122,6 +120,7 @@ FORCE:
 include boards/boards.mk
 include host-sim/mcu/emulator.mk
 include tests/tests.mk
+include tests/bench/bench.mk
 
 # ---------------------------------------------------------------- targets
 .PHONY: all help demo check lint format size install uninstall clean
@@ -141,7 +140,7 @@ lint: ## Check layers, layout and lengths
 	sh tests/gate/style.sh
 
 format: ## Lay out every C file
-	clang-format -i $(formatted)
+	clang-format -i $$(git ls-files --cached --others --exclude-standard '*.c' '*.h')
 
 size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
 	tests/gate/check/size-table.sh
@@ -151,7 +150,7 @@ $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
 help: ## List the targets
-	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
+	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk tests/bench/bench.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
 
 install: $(B)/boresight ## Install the program (PREFIX, DESTDIR)
 	install -D -m 755 $(B)/boresight $(DESTDIR)$(PREFIX)/bin/boresight

@@ -1,0 +1,17 @@
+# Benchmarks: never part of `make check`, for machines are noisy.
+bench_o := $(patsubst tests/bench/%,$(B)/gcc/tests/bench/%.o,$(basename $(wildcard tests/bench/*.c tests/bench/*.cpp)))
+$(B)/gcc/tests/bench/peers.o: tests/bench/peers.cpp
+	@mkdir -p $(@D)
+	$(say) CXX $@
+	g++ -std=c++17 -O2 -DNDEBUG -Wall -Wextra -Werror -Ifirmware -Ihal/include -Itests -MMD -MP -c $< -o $@
+-include $(bench_o:.o=.d)
+
+$(B)/bench-cone: $(bench_o) $(B)/gcc/libfirmware.a
+	$(say) LD $@
+	g++ -o $@ $^ -lmpfr -lgmp -lm
+
+.PHONY: bench-cone
+bench-cone: ## Measure the narrowest cone and the hull beside a bare pass and other programs
+	@.ci/need bench
+	@$(MAKE) --no-print-directory $(B)/bench-cone
+	@sh tests/bench/cone.sh $(B)/bench-cone $(B)/bench

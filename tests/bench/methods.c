@@ -1,0 +1,124 @@
+#include "bench/methods.h"
+
+#include "sphere/cone.h"
+#include "sphere/cone_answer.h"
+#include "sphere/hull.h"
+
+#include <stddef.h>
+
+static uint64_t workspace[BENCH_MOST_POINTS * 2U];
+
+// ---------------------------------------------------------------- a bare pass
+
+/// The least that any method has to do: one 64-bit dot product a point.
+static void bare_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    const struct vec3 axis = points[0];
+    const int64_t x = axis.x, y = axis.y, z = axis.z;
+    int64_t least = INT64_MAX;
+    for (const struct vec3 *p = points; p < points + count; p++) {
+        const int64_t dot = x * p->x + y * p->y + z * p->z;
+        least = dot < least ? dot : least;
+    }
+    run->axis_q30.x = (int32_t)(least >> 32); // so that the loop isn't thrown away
+    run->point_reads = count;
+}
+
+// ---------------------------------------------------------------- pivot
+
+static uint32_t warm[3];
+static uint8_t warm_count;
+
+static void pivot(const struct vec3 *points, uint32_t count, bool is_warm, struct bench_run *run) {
+    const size_t bytes = CONE_WORKSPACE_UNIT_BYTES(count);
+    const struct cone_options options = {.lengths = CONE_LENGTHS_UNIT,
+                                         .workspace = workspace,
+                                         .workspace_bytes = bytes,
+                                         .warm = warm,
+                                         .warm_count = is_warm ? warm_count : (uint8_t)0};
+    struct cone_result result;
+    run->infeasible = cone_narrowest(points, count, &options, &result) != CONE_OK;
+    run->point_reads = result.point_reads;
+    run->scratch_bytes = bytes;
+    run->support_count = result.support_count;
+    run->axis_q30 = result.axis_q30;
+    if (!is_warm) {
+        warm_count = run->infeasible ? 0U : result.support_count;
+        for (uint8_t i = 0; i < warm_count; i++) {
+            warm[i] = result.support[i];
+        }
+    }
+}
+
+static void pivot_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    pivot(points, count, false, run);
+}
+
+static void pivot_warm_prepare(const struct vec3 *points, uint32_t count) {
+    struct bench_run ignored = {0};
+    pivot(points, count, false, &ignored);
+}
+
+static void pivot_warm_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    pivot(points, count, true, run);
+}
+
+// ---------------------------------------------------------------- the growing circle
+
+/// Elzinga and Hearn 1972, on the sphere: the farthest point of all enters the circle of two or
+/// three, which grows. What pivot does without sample, blocks and filters.
+static void growing_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    struct min_norm support;
+    const struct min_norm_point first = cone_point(points, 0);
+    min_norm_start(&support, &first, true);
+    for (;;) {
+        run->axis_q30 = vec3_i64_normalise(min_norm_direction(&support));
+        run->iterations++;
+        run->point_reads += count;
+        uint32_t farthest = 0;
+        int64_t least = INT64_MAX;
+        for (uint32_t i = 0; i < count; i++) {
+            const int64_t dot = vec3_dot_unit(run->axis_q30, points[i]);
+            if (dot < least) {
+                least = dot;
+                farthest = i;
+            }
+        }
+        const struct min_norm_point next = cone_point(points, farthest);
+        if (!min_norm_violated_by(&support, &next)) {
+            break;
+        }
+        if (!min_norm_enter(&support, &next)) {
+            run->infeasible = true;
+            break;
+        }
+    }
+    run->support_count = support.count;
+}
+
+// ---------------------------------------------------------------- the hull
+
+static void hull_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    struct hull_result result;
+    run->infeasible =
+        hull_spherical(points, count, workspace, sizeof workspace, &result) != HULL_OK;
+    run->hull_size = run->infeasible ? 0U : result.vertex_count;
+    run->scratch_bytes = HULL_WORKSPACE_BYTES(count);
+}
+
+const struct bench_method bench_methods[BENCH_METHODS] = {
+    [BENCH_BARE] = {.name = "bare pass", .run = bare_run},
+    [BENCH_PIVOT] = {.name = "pivot", .run = pivot_run},
+    [BENCH_PIVOT_WARM] = {.name = "pivot, warm",
+                          .prepare = pivot_warm_prepare,
+                          .run = pivot_warm_run,
+                          .needs_feasible = true},
+    [BENCH_GROWING] = {.name = "growing circle", .run = growing_run},
+    [BENCH_HULL] = {.name = "hull", .run = hull_run, .needs_feasible = true},
+    [BENCH_CGAL_SPHERE] = {.name = "CGAL sphere",
+                           .prepare = peer_sphere_prepare,
+                           .run = peer_sphere_run},
+    [BENCH_CGAL_HULL] = {.name = "CGAL hull",
+                         .prepare = peer_hull_prepare,
+                         .run = peer_hull_run,
+                         .needs_feasible = true},
+};
