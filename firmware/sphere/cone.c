@@ -241,13 +241,11 @@ static enum outcome sweep(struct search *search, uint32_t stride) {
     return FOUND;
 }
 
-/// The point of least depth of those that violate the support; NO_POINT if none does. `plane` is a
-/// constant at each call, so that the loop is compiled for it.
-static inline uint32_t worst_of_few(struct search *search, struct min_norm_filter filter,
-                                    bool plane) {
+/// The point of least depth of those that violate the support; NO_POINT if none does.
+static uint32_t worst_of_few(struct search *search) {
+    const struct min_norm_filter filter = min_norm_filter(&search->support);
     int64_t limit = MIN_NORM_BAND;
     uint32_t worst = NO_POINT;
-    filter.plane = plane;
     search->point_reads += search->count;
     for (uint32_t i = 0; i < search->count; i++) {
         const int64_t depth = min_norm_depth(&filter, search->units[i]);
@@ -267,9 +265,7 @@ static inline uint32_t worst_of_few(struct search *search, struct min_norm_filte
 /// out once, at the end.
 static enum outcome pivot_few(struct search *search) {
     for (;;) {
-        const struct min_norm_filter filter = min_norm_filter(&search->support);
-        const uint32_t worst =
-            filter.plane ? worst_of_few(search, filter, true) : worst_of_few(search, filter, false);
+        const uint32_t worst = worst_of_few(search);
         struct min_norm_point point;
         if (!choose(search, worst, 0, search->count, 1, &point)) {
             turn_axis(search);

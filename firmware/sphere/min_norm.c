@@ -20,6 +20,18 @@ static int dot_sign_i128(struct vec3_i128 a, struct vec3_i128 b) {
 
 // ---------------------------------------------------------------- 64-bit filters, for unit vectors
 
+/// Difference of units.
+static struct vec3_i64 between(struct vec3 from, struct vec3 to) {
+    return (struct vec3_i64){(int64_t)to.x - from.x, (int64_t)to.y - from.y,
+                             (int64_t)to.z - from.z};
+}
+
+/// Of differences of units: at most 2^62, since neither is longer than 2^31; off by less than
+/// MIN_NORM_BAND.
+static int64_t dot_between(struct vec3_i64 a, struct vec3_i64 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 /// -1, 1, or 0 if the value is inside the band of error.
 static int sure_sign(int64_t value) {
     return value > MIN_NORM_BAND ? 1 : (value < -MIN_NORM_BAND ? -1 : 0);
@@ -28,19 +40,23 @@ static int sure_sign(int64_t value) {
 /// Is the angle at a, in the triangle a b c of unit vectors, acute (1) or obtuse (-1)? 0: can't
 /// tell.
 static int sure_angle(struct vec3 a, struct vec3 b, struct vec3 c) {
-    return sure_sign(min_norm_dot(vec3_between(a, b), vec3_between(a, c)));
+    return sure_sign(dot_between(between(a, b), between(a, c)));
 }
 
 struct min_norm_filter min_norm_filter(const struct min_norm *support) {
-    const struct vec3_i64 n = support->rough_normal;
-    struct min_norm_filter filter = {
-        .plane = support->count == 3U,
-        .a = support->point[0].unit_q30,
-        // One point is the ball shrunk to it.
-        .b = support->point[support->count == 2U ? 1 : 0].unit_q30,
-        .normal = vec3((int32_t)(n.x >> 32), (int32_t)(n.y >> 32), (int32_t)(n.z >> 32))};
-    filter.offset = min_norm_product(filter.plane ? filter.normal : filter.b, filter.a);
-    return filter;
+    const struct vec3 a = support->point[0].unit_q30;
+    if (support->count == 3U) {
+        const struct vec3_i64 n = support->rough_normal;
+        const struct vec3 normal =
+            vec3((int32_t)(n.x >> 32), (int32_t)(n.y >> 32), (int32_t)(n.z >> 32));
+        return (struct min_norm_filter){normal, vec3_dot_unit(normal, a)};
+    }
+    // One point is a chord shrunk to it.
+    const struct vec3 b = support->point[support->count - 1U].unit_q30;
+    const struct vec3_i64 sum = between(vec3_neg(a), b);
+    return (struct min_norm_filter){
+        vec3((int32_t)(sum.x >> 1), (int32_t)(sum.y >> 1), (int32_t)(sum.z >> 1)),
+        (vec3_dot_unit(a, b) + ((int64_t)1 << 60)) / 2};
 }
 
 // ---------------------------------------------------------------- exact tests
@@ -126,8 +142,8 @@ static bool hold_one(struct min_norm *support) {
 static bool hold_two(struct min_norm *support) {
     if (support->unit) {
         const struct vec3 a = support->point[0].unit_q30, b = support->point[1].unit_q30;
-        const struct vec3_i64 chord = vec3_between(a, b), sum = vec3_between(vec3_neg(a), b);
-        if (min_norm_dot(chord, chord) > MIN_NORM_BAND && min_norm_dot(sum, sum) > MIN_NORM_BAND) {
+        const struct vec3_i64 chord = between(a, b), sum = between(vec3_neg(a), b);
+        if (dot_between(chord, chord) > MIN_NORM_BAND && dot_between(sum, sum) > MIN_NORM_BAND) {
             return true;
         }
     }
@@ -141,8 +157,8 @@ static bool hold_two(struct min_norm *support) {
 /// exact plane.
 static bool set_rough_normal(struct min_norm *support) {
     const struct vec3 a = support->point[0].unit_q30;
-    const struct vec3_i64 b = vec3_between(a, support->point[1].unit_q30),
-                          c = vec3_between(a, support->point[2].unit_q30);
+    const struct vec3_i64 b = between(a, support->point[1].unit_q30),
+                          c = between(a, support->point[2].unit_q30);
     struct vec3_i64 n = {b.y * c.z - b.z * c.y, b.z * c.x - b.x * c.z, b.x * c.y - b.y * c.x};
     const int64_t height = (n.x >> 32) * a.x + (n.y >> 32) * a.y + (n.z >> 32) * a.z;
     const int side = sure_sign(height);
@@ -223,13 +239,13 @@ static const uint8_t beside[] = {1, 2, 4, 3, 5, 6, 0};
 /// For unit vectors, in 64 bits: 1 if the pair surely holds, -1 if surely not, 0: can't tell.
 static int pair_holds(const struct min_norm *old, unsigned k, struct vec3 x) {
     const struct vec3 a = old->point[k].unit_q30;
-    const struct vec3_i64 chord = vec3_between(a, x), sum = vec3_between(vec3_neg(a), x);
+    const struct vec3_i64 chord = between(a, x), sum = between(vec3_neg(a), x);
     int verdict =
-        min_norm_dot(chord, chord) > MIN_NORM_BAND && min_norm_dot(sum, sum) > MIN_NORM_BAND;
+        dot_between(chord, chord) > MIN_NORM_BAND && dot_between(sum, sum) > MIN_NORM_BAND;
     for (unsigned i = 0; i < old->count; i++) {
         if (i != k) {
             const struct vec3 y = old->point[i].unit_q30;
-            const int outside = sure_sign(min_norm_dot(vec3_between(a, y), vec3_between(x, y)));
+            const int outside = sure_sign(dot_between(between(a, y), between(x, y)));
             if (outside > 0) {
                 return -1;
             }

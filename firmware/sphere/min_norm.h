@@ -53,46 +53,24 @@ bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point 
 /// The same in 64 bits, for unit vectors whose length is within 2^-29 of one, in a loop: a point
 /// whose depth is above MIN_NORM_BAND surely does not violate, one below -MIN_NORM_BAND surely
 /// does, and in between only the exact test can tell. The depth falls the farther out a point lies;
-/// depths compare for one filter.
+/// depths compare for one filter. Three points: their plane. Two: the ball on their chord a b,
+/// outside of which unit vectors violate: half of (p - a).(p - b) = p.p - p.(a + b) + a.b, where
+/// p.p is one.
 struct min_norm_filter {
-    bool plane; ///< three points: their plane; else the ball on the chord a b, outside of which
-                ///< unit vectors violate
-    struct vec3 a, b;
-    struct vec3 normal; ///< of the plane, away from zero, at most 2^30
-    uint64_t offset;    ///< plane: normal . a; ball: a . b
+    struct vec3
+        normal; ///< at most 2^30: factors of 32 bits are a quarter of the work on a Cortex-M4
+    int64_t offset;
 };
 
 struct min_norm_filter min_norm_filter(const struct min_norm *support);
 
-/// Products of differences of units, of at most 2^31, and of such a difference with the normal are
-/// off by less than this: the points of a support are within 1 unit of the truth, others within 5.
+/// What rounding can do to a depth: units are off by at most 5, and normals below 2^31; p.p is off
+/// by 2^32.
 #define MIN_NORM_BAND ((int64_t)1 << 36)
 
-/// Difference of units.
-static inline struct vec3_i64 vec3_between(struct vec3 from, struct vec3 to) {
-    return (struct vec3_i64){(int64_t)to.x - from.x, (int64_t)to.y - from.y,
-                             (int64_t)to.z - from.z};
-}
-
-/// Of differences of units: at most 2^62, since neither is longer than 2^31.
-static inline int64_t min_norm_dot(struct vec3_i64 a, struct vec3_i64 b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-/// Dot product that wraps: a sum may pass 2^63 on the way, and vectors that are no units may.
-static inline uint64_t min_norm_product(struct vec3 a, struct vec3 b) {
-    return (uint64_t)((int64_t)a.x * b.x) + (uint64_t)((int64_t)a.y * b.y) +
-           (uint64_t)((int64_t)a.z * b.z);
-}
-
-/// normal . (u - a), or -(u - a) . (u - b), multiplied out: factors of 32 bits, which is a quarter
-/// of the instructions on a Cortex-M4.
+/// At most 7 * 2^60, also for vectors that are no units.
 static inline int64_t min_norm_depth(const struct min_norm_filter *filter, struct vec3 unit_q30) {
-    if (filter->plane) {
-        return (int64_t)(min_norm_product(filter->normal, unit_q30) - filter->offset);
-    }
-    return (int64_t)(min_norm_product(filter->a, unit_q30) + min_norm_product(filter->b, unit_q30) -
-                     min_norm_product(unit_q30, unit_q30) - filter->offset);
+    return vec3_dot_unit(filter->normal, unit_q30) - filter->offset;
 }
 
 /// Takes in a point that violates; the support becomes that of the hull of both, and its norm gets
