@@ -34,7 +34,7 @@ $(B)/boards/$(1)/obj/%.o: %.c
 $(B)/boards/$(1)/obj/%.o: %.S
 	@mkdir -p $$(@D)
 	$$(say) AS $$@
-	$(board_cc) $(board_flags) -mcpu=$($(1)_cpu) -Iboards/$(1) -MMD -MP -c $$< -o $$@
+	$(board_cc) $(board_flags) -Wa,--debug-prefix-map=$(CURDIR)=. -mcpu=$($(1)_cpu) -Iboards/$(1) -MMD -MP -c $$< -o $$@
 -include $$($(1)_o:.o=.d)
 
 # The board's own rig, and below a folder of its name any other of the simulator's.

@@ -10,6 +10,7 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(mcu_runs) $(mcu_scripts:%.sh=script/%)
 include tests/mcu/mps2/mps2.mk
 include tests/mcu/tick/tick.mk
+test_runs += script/tests/mcu/rp2040/pico
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check
@@ -18,8 +19,10 @@ need-check:
 
 $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 $(B)/check/script/tests/gate/image.log: $(mcu_boards:%=$(B)/boards/%/boresight.elf)
-$(foreach g,boot reproducible,$(B)/check/script/tests/gate/$(g).log): \
-    $(foreach i,elf bin hex,$(B)/boards/stm32f405/boresight.$(i))
+$(B)/check/script/tests/gate/boot.log: $(B)/boards/stm32f405/boresight.elf
+$(B)/check/script/tests/gate/reproducible.log: $(foreach b,$(mcu_boards),$($(b)_files))
+
+$(B)/check/script/tests/mcu/rp2040/pico.log: $(pico_files) $(B)/gcc/tests/mcu/rp2040/plant
 
 $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 

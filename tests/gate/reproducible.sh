@@ -1,7 +1,7 @@
 #!/bin/sh
 # The same sources give the same bytes in another folder; and the comparison notices when they don't.
 . tests/gate/verdict.sh
-board=stm32f405
+boards="stm32f405:elf,bin,hex pico:elf,bin,hex,uf2"
 here=$PWD
 id=$(sed -n 's/^const char build_id\[\] = "\(.*\)";/\1/p' build/build_id.c)
 dir=$(mktemp -d)
@@ -11,22 +11,26 @@ git ls-files --cached --others --exclude-standard Makefile boards firmware hal h
     while read -r file; do [ ! -e "$file" ] || cp --parents "$file" "$copy"; done
 cp build/boresight "$copy/build/boresight" # the program that writes the rig as C is not what is tested
 
+files() { for b in $boards; do echo "${b#*:}" | tr , '\n' | sed "s#^#build/boards/${b%:*}/boresight.#"; done; }
 build() { # MAKE-ARGUMENTS...
-    env -u MAKEFLAGS -u MAKELEVEL make -C "$copy" -s -o build/boresight build_id="$id" "$@" \
-        build/boards/$board/boresight.elf build/boards/$board/boresight.bin build/boards/$board/boresight.hex >"$dir/log" 2>&1 ||
-        cat "$dir/log"
+    # shellcheck disable=SC2046
+    env -u MAKEFLAGS -u MAKELEVEL make -C "$copy" -s -o build/boresight build_id="$id" "$@" $(files) >"$dir/log" 2>&1 || cat "$dir/log"
 }
-same() {
-    for kind in elf bin hex; do
-        cmp "$here/build/boards/$board/boresight.$kind" "$copy/build/boards/$board/boresight.$kind" || return 1
+same() { # BOARD
+    for file in $(files | grep "/$1/"); do
+        cmp "$here/$file" "$copy/$file" || return 1
     done
 }
 build
-same
-verdict "$board: the same image, built in another folder" $?
-rm "$copy"/build/boards/$board/obj/firmware/app/pump.o "$copy"/build/boards/$board/boresight.*
+for board in $boards; do
+    same "${board%:*}"
+    verdict "${board%:*}: the same image, built in another folder" $?
+    rm "$copy/build/boards/${board%:*}/obj/firmware/app/pump.o" "$copy/build/boards/${board%:*}"/boresight.*
+done
 build board_flags="$(make -s --no-print-directory print-board-flags | sed 's/ -ffile-prefix-map=[^ ]*//')"
-same >/dev/null 2>&1
-caught 'a folder that gets into the image' $?
+for board in $boards; do
+    same "${board%:*}" >/dev/null 2>&1
+    caught "${board%:*}: a folder that gets into the image" $?
+done
 rm -r "$dir"
 exit $status
