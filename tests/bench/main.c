@@ -31,7 +31,10 @@ static uint32_t trials_of(enum bench_set set, uint32_t n) {
 }
 
 static bool is_run(const struct bench_method *method, enum bench_set set, uint32_t n) {
+    const bool on_hull =
+        set == BENCH_CIRCLE || set == BENCH_HALF_CIRCLE || set == BENCH_SPIRAL; // its last turn
     return (method->most_points == 0U || n <= method->most_points) &&
+           !(on_hull && method->most_on_hull != 0U && n > method->most_on_hull) &&
            !(method->needs_feasible && set == BENCH_SPHERE);
 }
 
@@ -99,6 +102,7 @@ struct figures {
     double reads, ns, iterations, scratch; // means; reads and nanoseconds a point
     double h, h2, h_log_h;                 // moments of the hull's size
     double two;                            // share with a support of two
+    double faces;                          // tested a point
 };
 
 static double now_ns(void) {
@@ -129,6 +133,7 @@ static struct figures measure(const struct bench_method *method, uint32_t n, uin
         sum.reads += (double)run.point_reads / n / trials;
         sum.ns += fastest / n / trials;
         sum.iterations += (double)run.iterations / trials;
+        sum.faces += (double)run.face_tests / n / trials;
         sum.scratch += (double)run.scratch_bytes / trials;
         sum.h += h / trials;
         sum.h2 += h * h / trials;
@@ -262,46 +267,52 @@ static void print_cones(void) {
 }
 
 /// Exponent of n in the instructions of a method, by least squares over the three largest counted
-/// sizes; NAN if any is missing.
+/// sizes; NAN if there are fewer.
 static double growth(int set, int m) {
     double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-    for (int size = COUNTED_SIZES - 3; size < COUNTED_SIZES; size++) {
-        const double n = size_of((enum bench_set)set, size);
-        if (counts[set][size][m] <= 0.0) {
-            return NAN;
+    int sizes = 0;
+    for (int size = COUNTED_SIZES - 1; size >= 0 && sizes < 3; size--) {
+        if (counts[set][size][m] > 0.0) {
+            const double n = size_of((enum bench_set)set, size);
+            const double x = log(n), y = log(counts[set][size][m] * n);
+            sx += x;
+            sy += y;
+            sxx += x * x;
+            sxy += x * y;
+            sizes++;
         }
-        const double x = log(n), y = log(counts[set][size][m] * n);
-        sx += x;
-        sy += y;
-        sxx += x * x;
-        sxy += x * y;
     }
-    return (3.0 * sxy - sx * sy) / (3.0 * sxx - sx * sx);
+    return sizes < 3 ? NAN : (3.0 * sxy - sx * sy) / (3.0 * sxx - sx * sx);
 }
 
 static void print_methods(void) {
     printf("All methods: instructions a point; growth is the exponent of n in all instructions, "
-           "from 1,000 to "
-           "100,000 points;\nrounds is of loops that read all that is left, at the largest size. "
-           "'-': not run.\n\n"
-           "%-17s %-15s |%9s%9s%9s%9s%9s |%8s%9s\n",
-           "set", "method", "10", "100", "1000", "10000", "100000", "growth", "rounds");
+           "over the three "
+           "largest sizes;\nrounds, of loops that read all that is left, and faces tested a point, "
+           "are at the "
+           "largest size. '-': not run, or none.\n\n"
+           "%-17s %-15s |%9s%9s%9s%9s%9s |%8s%9s%7s\n",
+           "set", "method", "10", "100", "1000", "10000", "100000", "growth", "rounds", "faces");
     for (int set = 0; set < BENCH_SETS; set++) {
         for (int m = 0; m < BENCH_METHODS; m++) {
             if (!is_run(&bench_methods[m], (enum bench_set)set, 1)) {
                 continue;
             }
             printf("%-17s %-15s |", bench_set_names[set], bench_methods[m].name);
-            double rounds = 0.0;
+            double rounds = 0.0, faces = 0.0;
             for (int size = 0; size < COUNTED_SIZES; size++) {
                 print_figure(counts[set][size][m], counts[set][size][m] < 100.0 ? "%.1f" : "%.0f",
                              8);
                 rounds = fmax(rounds, figures[set][size][m].iterations);
+                if (figures[set][size][m].faces > 0.0) {
+                    faces = figures[set][size][m].faces;
+                }
             }
             const double exponent = growth(set, m);
             printf(" |");
             print_figure(isnan(exponent) ? 0.0 : exponent, "%.2f", 7);
             print_figure(rounds, "%.1f", 8);
+            print_figure(faces, "%.1f", 6);
             printf("\n");
         }
         printf("\n");
@@ -337,9 +348,9 @@ static void print_hulls(void) {
            "(15) E[h] = O(log^1/2 n)\nfor a planar normal; (16) E[h^2] = Var(h) + E[h]^2; (17) p "
            "<= 1/2. Growth: "
            "exponents of n from 1,000 to 100,000.\n\n"
-           "%-17s %8s %6s |%9s%10s%12s%12s%9s |%9s%9s%7s\n",
+           "%-17s %8s %6s |%9s%10s%12s%12s%9s |%9s%9s%9s%9s%7s\n",
            "set", "n", "sets", "E[h]", "Var(h)", "E[h^2]", "E[h log h]", "Var/E[h]", "ns/point",
-           "CGAL", "/CGAL");
+           "buckets", "sorted", "CGAL", "/CGAL");
     for (int set = 0; set < BENCH_SPHERE; set++) {
         for (int size = 0; size < SIZES; size++) {
             const uint32_t n = size_of((enum bench_set)set, size);
@@ -352,6 +363,8 @@ static void print_hulls(void) {
             print_figure(variance_of(f) / f->h, "%.2f", 8);
             printf(" |");
             print_figure(f->ns, "%.1f", 8);
+            print_figure(figures[set][size][BENCH_HULL_BUCKETS].ns, "%.1f", 8);
+            print_figure(figures[set][size][BENCH_HULL_SORTED].ns, "%.1f", 8);
             print_figure(figures[set][size][BENCH_CGAL_HULL].ns, "%.1f", 8);
             print_figure(f->ns / figures[set][size][BENCH_CGAL_HULL].ns, "%.2f", 6);
             printf("\n");

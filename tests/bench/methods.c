@@ -3,10 +3,12 @@
 #include "sphere/cone.h"
 #include "sphere/cone_answer.h"
 #include "sphere/hull.h"
+#include "sphere/pyramid.h"
+#include "sphere/shrink.h"
 
 #include <stddef.h>
 
-static uint64_t workspace[BENCH_MOST_POINTS * 2U];
+static uint64_t workspace[BENCH_MOST_POINTS * 16U];
 
 // ---------------------------------------------------------------- a bare pass
 
@@ -97,12 +99,47 @@ static void growing_run(const struct vec3 *points, uint32_t count, struct bench_
 
 // ---------------------------------------------------------------- the hull
 
-static void hull_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+static void hull_of(const struct vec3 *points, uint32_t count, const struct hull_options *options,
+                    struct bench_run *run) {
     struct hull_result result;
     run->infeasible =
-        hull_spherical(points, count, workspace, sizeof workspace, &result) != HULL_OK;
+        hull_by(points, count, options, workspace, sizeof workspace, &result) != HULL_OK;
     run->hull_size = run->infeasible ? 0U : result.vertex_count;
     run->scratch_bytes = HULL_WORKSPACE_BYTES(count);
+}
+
+/// As hull_spherical takes it: a filter first.
+static void hull_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    hull_of(points, count, &(struct hull_options){.order = HULL_ORDER_BUCKETS, .filter = true},
+            run);
+}
+
+static void hull_buckets_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    hull_of(points, count, &(struct hull_options){.order = HULL_ORDER_BUCKETS}, run);
+}
+
+static void hull_sorted_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    hull_of(points, count, &(struct hull_options){.order = HULL_ORDER_MERGE}, run);
+}
+
+// ---------------------------------------------------------------- Anderson's methods
+
+static void c_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    struct shrink_result result;
+    run->infeasible =
+        shrink_narrowest(points, count, workspace, sizeof workspace, &result) != CONE_OK;
+    run->iterations = result.iterations;
+    run->hull_size = result.hull_size;
+    run->support_count = result.cone.support_count;
+}
+
+static void pyramid_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    struct pyramid_result result;
+    run->infeasible =
+        pyramid_narrowest(points, count, workspace, sizeof workspace, &result) != CONE_OK;
+    run->hull_size = result.edges_most;
+    run->face_tests = result.face_tests;
+    run->support_count = result.cone.support_count;
 }
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
@@ -114,6 +151,19 @@ const struct bench_method bench_methods[BENCH_METHODS] = {
                           .needs_feasible = true},
     [BENCH_GROWING] = {.name = "growing circle", .run = growing_run},
     [BENCH_HULL] = {.name = "hull", .run = hull_run, .needs_feasible = true},
+    [BENCH_HULL_BUCKETS] = {.name = "hull, buckets",
+                            .run = hull_buckets_run,
+                            .needs_feasible = true},
+    [BENCH_HULL_SORTED] = {.name = "hull, sorted", .run = hull_sorted_run, .needs_feasible = true},
+    [BENCH_C] = {.name = "algorithm C",
+                 .run = c_run,
+                 .most_on_hull = 10000,
+                 .needs_feasible = true},
+    // h^2 for the farthest pair, up to h^4 for triples.
+    [BENCH_PYRAMID] = {.name = "pyramid (1982)",
+                       .run = pyramid_run,
+                       .most_on_hull = 100,
+                       .needs_feasible = true},
     [BENCH_CGAL_SPHERE] = {.name = "CGAL sphere",
                            .prepare = peer_sphere_prepare,
                            .run = peer_sphere_run},

@@ -15,6 +15,7 @@ struct bench_run {
     uint64_t point_reads;
     uint64_t scratch_bytes;
     uint32_t hull_size;  ///< extreme directions
+    uint64_t face_tests; ///< of the pyramid
     uint32_t iterations; ///< of a loop whose every round reads all that is left
     uint8_t support_count;
     struct vec3 axis_q30;
@@ -27,8 +28,10 @@ struct bench_method {
     /// NULL.
     void (*prepare)(const struct vec3 *points, uint32_t count);
     void (*run)(const struct vec3 *points, uint32_t count, struct bench_run *run);
-    /// The largest sets worth a run: 0, or a bound for methods of higher order.
+    /// The largest sets worth a run, for methods of higher order; 0: all.
     uint32_t most_points;
+    /// The same for sets whose points are all on the hull.
+    uint32_t most_on_hull;
     /// Only feasible sets.
     bool needs_feasible;
 };
@@ -39,6 +42,10 @@ enum {
     BENCH_PIVOT_WARM,
     BENCH_GROWING,
     BENCH_HULL,
+    BENCH_HULL_BUCKETS,
+    BENCH_HULL_SORTED,
+    BENCH_C,
+    BENCH_PYRAMID,
     BENCH_CGAL_SPHERE,
     BENCH_CGAL_HULL,
     BENCH_METHODS

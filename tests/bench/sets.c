@@ -3,8 +3,8 @@
 #include <math.h>
 
 const char *const bench_set_names[BENCH_SETS] = {
-    "uniform cap 20",  "truncated cone", "planar normal",  "fixed silhouette", "on a circle",
-    "near-hemisphere", "spiral",         "surface (1982)", "whole sphere"};
+    "uniform cap 20", "truncated cone",  "planar normal", "fixed silhouette", "on a circle",
+    "half a circle",  "near-hemisphere", "spiral",        "surface (1982)",   "whole sphere"};
 
 struct direction {
     double x, y, z;
@@ -49,6 +49,8 @@ static struct direction draw(enum bench_set set, uint32_t i, uint32_t n, uint64_
                       : on_plane(0.5 * tan(cap) * sqrt(u), turn);
     case BENCH_CIRCLE:
         return at_angle(cos(cap), turn);
+    case BENCH_HALF_CIRCLE:
+        return at_angle(cos(cap), M_PI * u);
     case BENCH_NEAR_HEMISPHERE:
         return at_angle(1.0 - u * (1.0 - cos(89.9 / 180.0 * M_PI)), turn);
     case BENCH_SPIRAL:

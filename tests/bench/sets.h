@@ -19,6 +19,8 @@ enum bench_set {
     BENCH_SILHOUETTE,
     /// All on one circle of 20 degrees, in random order: h = n.
     BENCH_CIRCLE,
+    /// The same on half of it, in order: what algorithm C shrinks slowest on.
+    BENCH_HALF_CIRCLE,
     /// Uniform on a cap of 89.9 degrees.
     BENCH_NEAR_HEMISPHERE,
     /// Winding outward, 16 turns, to 20 degrees: each point beyond all before it.
