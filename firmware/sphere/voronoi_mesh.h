@@ -37,7 +37,7 @@ struct voronoi_mesh {
 #define VORONOI_MESH_BYTES(count)                                                                  \
     ((size_t)(count) *                                                                             \
      (sizeof(struct site) + 2U * sizeof(uint32_t) + 2U * sizeof(struct voronoi_triangle)))
-#define VORONOI_INSERT_BYTES(count) ((size_t)(count)*12U * sizeof(uint32_t))
+#define VORONOI_INSERT_BYTES(count) ((size_t)(count)*18U * sizeof(uint32_t))
 #define VORONOI_MERGE_BYTES(count)  ((size_t)(count)*52U * sizeof(uint32_t))
 
 /// Lays a mesh into memory of VORONOI_MESH_BYTES(count), and lists the different directions of

@@ -357,6 +357,19 @@ static void general_position(void) {
     }
 }
 
+/// At most 8 n log2 n tests, also with all sites on one circle.
+static void cost_grows_as_n_log_n(void) {
+    for (unsigned i = 0; i < 2U * LARGE_COUNT; i++) {
+        const enum cone_large_class class = (enum cone_large_class)(i / 2U);
+        struct voronoi_result r;
+        cone_sets_draw_large(class, &seed, large, 1000);
+        if (!CHECK(draw(large, 1000, true, i % 2U != 0U, 0, &r)) || !CHECK(r.side_tests < 80000U)) {
+            printf("  # %s: %llu tests\n", cone_large_class_names[class],
+                   (unsigned long long)r.side_tests);
+        }
+    }
+}
+
 static void known_diagrams(void) {
     struct voronoi_result r;
     // The corners of a cube: six vertices of four sites, twelve edges.
@@ -408,6 +421,7 @@ int main(void) {
     TEST(small_sets);
     TEST(every_set_of_up_to_five);
     TEST(larger_sets);
+    TEST(cost_grows_as_n_log_n);
     exact_roots_free();
     exact_free();
     return check_finish();
