@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#define METHODS_COUNT_MAX 600
+#define METHODS_COUNT_MAX 2000
 
 struct solve_method {
     const char *name;
