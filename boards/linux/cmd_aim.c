@@ -8,6 +8,7 @@
 #include "sphere/cone.h"
 #include "sphere/pyramid.h"
 #include "sphere/shrink.h"
+#include "sphere/voronoi_circle.h"
 
 #include <stdlib.h>
 
@@ -61,6 +62,31 @@ static enum cone_status solve_pyramid(const struct points *points, struct cone_r
     return status;
 }
 
+static enum cone_status solve_circle(const struct points *points, bool hull,
+                                     struct cone_result *result) {
+    const size_t bytes = VORONOI_CIRCLE_WORKSPACE_BYTES(points->count);
+    void *const workspace = malloc(bytes);
+    if (workspace == NULL && bytes != 0U) {
+        return CONE_ERROR_WORKSPACE;
+    }
+    const struct voronoi_circle_options how = {.hull = hull};
+    struct voronoi_circle_result read;
+    const enum cone_status status =
+        voronoi_circle(points->directions, points->count, &how, workspace, bytes, &read);
+    *result = read.cone;
+    free(workspace);
+    return status;
+}
+
+static enum cone_status solve_voronoi(const struct points *points, struct cone_result *result) {
+    return solve_circle(points, false, result);
+}
+
+static enum cone_status solve_hull_voronoi(const struct points *points,
+                                           struct cone_result *result) {
+    return solve_circle(points, true, result);
+}
+
 /// The methods that --method chooses from; method_names holds the same names in the same order.
 static const struct method {
     const char *name; ///< as it stands in the results
@@ -68,13 +94,16 @@ static const struct method {
 } methods[] = {{"pivot", solve_pivot},
                {"pivot", solve_pivot},
                {"shrink", solve_shrink},
+               {"voronoi", solve_voronoi},
+               {"hull-voronoi", solve_hull_voronoi},
                {"pyramid", solve_pyramid}};
-static const char *const method_names[] = {"auto", "pivot", "shrink", "pyramid", NULL};
+static const char *const method_names[] = {"auto",         "pivot",   "shrink", "voronoi",
+                                           "hull-voronoi", "pyramid", NULL};
 
 static const struct option options[] = {
     POINT_OPTIONS(struct settings, points),
-    {"--method", "NAME", "auto, pivot, shrink or pyramid (auto)", option_choice,
-     offsetof(struct settings, method), method_names},
+    {"--method", "NAME", "auto, pivot, shrink, voronoi, hull-voronoi or pyramid (auto)",
+     option_choice, offsetof(struct settings, method), method_names},
     {"--up", "X,Y,Z", "what shall be up in the picture (0,0,1)", option_triple,
      offsetof(struct settings, up), NULL},
     OPTION_JSON(struct settings),

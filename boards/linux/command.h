@@ -21,6 +21,7 @@ struct command {
 extern const struct command *const commands[];
 extern const size_t command_count;
 
-extern const struct command command_aim, command_config, command_hull, command_run, command_sim;
+extern const struct command command_aim, command_config, command_hull, command_run, command_sim,
+    command_voronoi;
 
 #endif

@@ -50,7 +50,7 @@ END
 cmp -s "$dir/out" "$dir/wanted"
 verdict 'aim as text: the same facts, with names' $?
 
-for method in auto pivot shrink pyramid; do
+for method in auto pivot shrink voronoi hull-voronoi pyramid; do
     run aim --method $method --json <"$dir/none"
     has "no points, $method" 3 'feasible=false' 'count=0'
 done

@@ -79,7 +79,7 @@ run aim --input '' </dev/null
 ends 'an empty value' 2 "boresight aim: --input '': choose one of xyz, q30, radec"
 run aim --method magic </dev/null
 ends 'a method that is not there: the error lists those that are' 2 \
-    "boresight aim: --method 'magic': choose one of auto, pivot, shrink, pyramid"
+    "boresight aim: --method 'magic': choose one of auto, pivot, shrink, voronoi, hull-voronoi, pyramid"
 for value in 1,2 1,2,3,4 1,,3 a,b,c 1,2,nan ''; do
     run aim --viewpoint "$value" </dev/null
     ends "--viewpoint '$value'" 2 \

@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "sphere/hull.h"
+#include "sphere/hull_order.h"
 
 #define POINTS_MAX 16
 
@@ -129,6 +130,32 @@ static void repeated_and_collinear(void) {
     check_hull(points, 10, wanted, 3);
 }
 
+/// Rays on the limit between two buckets, closer together than their keys can tell: the rounded
+/// keys are in the wrong order, which the exact check of the whole order notices.
+static void rays_closer_than_their_keys(void) {
+    enum { COUNT = 1024 };
+    static struct vec3 points[COUNT + 1];
+    static uint32_t merged[2][COUNT], bucketed[2][COUNT], keys[COUNT], starts[COUNT + 1];
+    uint64_t seed = 85;
+    points[COUNT] = vec3(123457, 67891, INT32_MAX - 1234);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const int32_t dx = (int32_t)(check_random(&seed) >> 60);
+        const int32_t dy = (int32_t)(check_random(&seed) >> 60);
+        const int32_t dz = (int32_t)(check_random(&seed) >> 48);
+        points[i] = vec3((1 << 30) + dx, (1 << 30) + dy, dz);
+        merged[0][i] = bucketed[0][i] = i;
+    }
+    struct hull_pivot pivot = hull_pivot(points, COUNT);
+    const uint32_t *by_merge = hull_order_merge(&pivot, merged[0], merged[1], COUNT);
+    const uint32_t *by_buckets =
+        hull_order_buckets(&pivot, bucketed[0], bucketed[1], keys, starts, COUNT);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        if (!CHECK_EQ(by_buckets[i], by_merge[i])) {
+            return;
+        }
+    }
+}
+
 static void errors(void) {
     static const struct vec3 points[] = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0}};
     struct hull_result result;
@@ -146,6 +173,7 @@ int main(void) {
     TEST(ends_of_the_range);
     TEST(points_and_arcs);
     TEST(repeated_and_collinear);
+    TEST(rays_closer_than_their_keys);
     TEST(errors);
     return check_finish();
 }

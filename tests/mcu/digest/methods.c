@@ -6,11 +6,13 @@
 #include "sphere/pyramid.h"
 #include "sphere/shrink.h"
 #include "sphere/site_axis.h"
+#include "sphere/voronoi.h"
+#include "sphere/voronoi_circle.h"
 
 #define COUNT_MAX 60U
 
 static struct vec3 points[COUNT_MAX];
-static uint64_t workspace[COUNT_MAX * 64U];
+static uint64_t workspace[VORONOI_WORKSPACE_BYTES(COUNT_MAX) / sizeof(uint64_t) + 1U];
 
 static void fold_cone(struct digest *d, const struct vec3 *set, uint32_t count,
                       enum cone_status status, const struct cone_result *result) {
@@ -56,6 +58,44 @@ static void supports(void) {
     digest_finish(&d, "digest sphere/methods");
 }
 
+static void fold_diagram(struct digest *d, uint32_t count, bool merge) {
+    const struct voronoi_options options = {.closest = true, .merge = merge};
+    struct voronoi_result result;
+    digest_i64(d, voronoi_diagram(points, count, &options, workspace, sizeof workspace, &result));
+    for (uint32_t i = 0; i < result.site_count; i++) {
+        digest_u64(d, result.sites[i]);
+    }
+    for (uint32_t v = 0; v < result.vertex_count; v++) {
+        digest_vec3(d, result.vertices[v].at_q30);
+        for (uint32_t i = 0; i < result.vertices[v].count; i++) {
+            digest_u64(d, result.vertex_sites[result.vertices[v].first + i]);
+        }
+    }
+    for (uint32_t e = 0; e < result.edge_count; e++) {
+        for (unsigned i = 0; i < 2U; i++) {
+            digest_u64(d, result.edges[e].site[i]);
+            digest_u64(d, result.edges[e].vertex[i]);
+        }
+    }
+    digest_u64(d, result.side_tests);
+    struct voronoi_circle_result read;
+    const struct voronoi_circle_options how = {.hull = count % 2U != 0U, .merge = merge};
+    const enum cone_status status =
+        voronoi_circle(points, count, &how, workspace, sizeof workspace, &read);
+    fold_cone(d, points, count, status, &read.cone);
+}
+
+static void diagrams(void) {
+    struct digest d = digest_start(33);
+    for (int i = 0; i < 60; i++) {
+        const uint32_t count = i % 30 == 0 ? COUNT_MAX : 1U + digest_below(&d, 12);
+        digest_draw_set(&d, points, count);
+        fold_diagram(&d, count, false);
+        fold_diagram(&d, count, true);
+    }
+    digest_finish(&d, "digest sphere/voronoi");
+}
+
 static void sites(void) {
     struct digest d = digest_start(32);
     for (int i = 0; i < 300; i++) {
@@ -77,5 +117,6 @@ static void sites(void) {
 int main(void) {
     TEST(sites);
     TEST(supports);
+    TEST(diagrams);
     return check_finish();
 }

@@ -4,6 +4,7 @@
 
 #include "sphere/pyramid.h"
 #include "sphere/shrink.h"
+#include "sphere/voronoi_circle.h"
 
 static int64_t workspace[METHODS_COUNT_MAX * 64U];
 
@@ -32,16 +33,55 @@ static enum cone_status solve_pyramid(const struct vec3 *points, uint32_t count,
     return status;
 }
 
+static enum cone_status circle(const struct vec3 *points, uint32_t count, bool hull, bool merge,
+                               struct cone_result *result) {
+    const struct voronoi_circle_options options = {.hull = hull, .merge = merge};
+    struct voronoi_circle_result read;
+    const enum cone_status status = voronoi_circle(points, count, &options, workspace,
+                                                   VORONOI_CIRCLE_WORKSPACE_BYTES(count), &read);
+    *result = read.cone;
+    return status;
+}
+
+static enum cone_status solve_voronoi(const struct vec3 *points, uint32_t count,
+                                      struct cone_result *result) {
+    return circle(points, count, false, false, result);
+}
+
+static enum cone_status solve_voronoi_merged(const struct vec3 *points, uint32_t count,
+                                             struct cone_result *result) {
+    return circle(points, count, false, true, result);
+}
+
+static enum cone_status solve_hull_voronoi(const struct vec3 *points, uint32_t count,
+                                           struct cone_result *result) {
+    return circle(points, count, true, false, result);
+}
+
+static enum cone_status solve_hull_voronoi_merged(const struct vec3 *points, uint32_t count,
+                                                  struct cone_result *result) {
+    return circle(points, count, true, true, result);
+}
+
 const struct solve_method methods[] = {
     [METHOD_PIVOT] = {"pivot", false, solve_pivot},
     [METHOD_SHRINK] = {"shrink", true, solve_shrink},
     [METHOD_PYRAMID] = {"pyramid", true, solve_pyramid},
+    [METHOD_VORONOI] = {"voronoi", true, solve_voronoi},
+    [METHOD_VORONOI_MERGED] = {"voronoi, merged", true, solve_voronoi_merged},
+    [METHOD_HULL_VORONOI] = {"hull-voronoi", true, solve_hull_voronoi},
+    [METHOD_HULL_VORONOI_MERGED] = {"hull-voronoi, merged", true, solve_hull_voronoi_merged},
 };
 
 void methods_check_capacities(void) {
     const struct vec3 corners[] = {{1, 1, 9}, {1, -1, 9}, {-1, -1, 9}, {-1, 1, 9}};
     struct shrink_result shrunk;
     CHECK_EQ(shrink_narrowest(corners, 4, workspace, SHRINK_WORKSPACE_BYTES(4) - 1U, &shrunk),
+             CONE_ERROR_WORKSPACE);
+    struct voronoi_circle_result read;
+    const struct voronoi_circle_options options = {.hull = true};
+    CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, VORONOI_CIRCLE_WORKSPACE_BYTES(4) - 1U,
+                            &read),
              CONE_ERROR_WORKSPACE);
     struct pyramid_result built;
     CHECK_EQ(pyramid_narrowest(corners, 4, workspace, PYRAMID_WORKSPACE_BYTES(3), &built),

@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#define METHODS_COUNT_MAX 600
+#define METHODS_COUNT_MAX 2000
 
 struct solve_method {
     const char *name;
@@ -16,7 +16,17 @@ struct solve_method {
 };
 
 extern const struct solve_method methods[];
-enum { METHOD_PIVOT, METHOD_SHRINK, METHOD_PYRAMID, METHOD_COUNT };
+/// Algorithms A and B are there with each construction of the diagram.
+enum {
+    METHOD_PIVOT,
+    METHOD_SHRINK,
+    METHOD_PYRAMID,
+    METHOD_VORONOI,
+    METHOD_VORONOI_MERGED,
+    METHOD_HULL_VORONOI,
+    METHOD_HULL_VORONOI_MERGED,
+    METHOD_COUNT
+};
 
 /// Checks (check.h) what each says of a workspace that is too small.
 void methods_check_capacities(void);
