@@ -4,10 +4,12 @@
 
 #include "cortexm/cortexm_clock.h"
 #include "rp2040/rp2040_uart.h"
+#include "rp2040/rp2040_usb.h"
 
 struct board_devices_here {
     struct cortexm_clock clock;
-    struct rp2040_uart console;
+    struct rp2040_uart uart;
+    struct rp2040_usb usb;
 };
 extern struct board_devices_here devices;
 

@@ -3,6 +3,7 @@
 
 #include "app/board_loop.h"
 #include "compiled_rig.h"
+#include "console.h"
 #include "cortexm/cortexm.h"
 #include "cortexm/cortexm_crash.h"
 #include "cortexm/cortexm_start.h"
@@ -21,6 +22,7 @@ struct board_devices_here devices;
 static struct rp2040_gpio gpio;
 static struct rp2040_pwm pwm;
 static struct rp2040_watchdog watchdog;
+static struct console console;
 static struct board_loop loop;
 
 static const struct board_stop_line stop_lines[] = {
@@ -46,6 +48,9 @@ static void note_clock(const struct rp2040_clocks *clocks) {
     text_unsigned(&text, clocks->core_hz / 1000000U, 0);
     text_string(&text, " MHz, ");
     text_string(&text, rp2040_clocks_state_name(clocks->state));
+    if (!clocks->usb) {
+        text_string(&text, ", no USB");
+    }
     finish(&text);
 }
 
@@ -81,8 +86,11 @@ static const char *set_up(void) {
     rp2040_pwm_init(&pwm, pwm_pins, COUNT(pwm_pins), clocks.core_hz);
     rp2040_gpio_set_function(CONSOLE_TX, RP2040_FUNCTION_UART, HAL_GPIO_PULL_NONE);
     rp2040_gpio_set_function(CONSOLE_RX, RP2040_FUNCTION_UART, HAL_GPIO_PULL_UP);
-    rp2040_uart_init(&devices.console, RP2040_UART0, RP2040_IRQ_UART0, clocks.core_hz,
-                     CONSOLE_BAUD);
+    rp2040_uart_init(&devices.uart, RP2040_UART0, RP2040_IRQ_UART0, clocks.core_hz, CONSOLE_BAUD);
+    if (clocks.usb) {
+        rp2040_usb_init(&devices.usb);
+    }
+    console_init(&console, &devices.uart, clocks.usb ? &devices.usb : NULL);
     return clocks.state == RP2040_CLOCKS_FULL ? NULL : rp2040_clocks_state_name(clocks.state);
 }
 
@@ -96,7 +104,7 @@ int main(void) {
     board_loop_init(&loop, &config,
                     &(struct board_devices){.pump = {.clock = &devices.clock.hal, .pwm = &pwm.hal},
                                             .gpio = &gpio.hal,
-                                            .console = &devices.console.hal,
+                                            .console = &console.hal,
                                             .watchdog = &watchdog.hal});
     uint32_t tick = devices.clock.ticks;
     for (;;) {

@@ -18,6 +18,7 @@ enum rp2040_clocks_state {
 struct rp2040_clocks {
     enum rp2040_clocks_state state;
     uint32_t core_hz; ///< of the core and of all peripherals; a multiple of 1 MHz
+    bool usb;         ///< the USB has its 48 MHz
 };
 
 /// Resets the peripherals that the HAL uses, so that nothing of an earlier program drives a pin;

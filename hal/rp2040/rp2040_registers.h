@@ -18,8 +18,10 @@ enum {
     RP2040_RESET_IO_BANK0 = 1 << 5,
     RP2040_RESET_PADS_BANK0 = 1 << 8,
     RP2040_RESET_PLL_SYS = 1 << 12,
+    RP2040_RESET_PLL_USB = 1 << 13,
     RP2040_RESET_PWM = 1 << 14,
-    RP2040_RESET_UART0 = 1 << 22
+    RP2040_RESET_UART0 = 1 << 22,
+    RP2040_RESET_USB = 1 << 24
 };
 
 /// 2.13 Power-on state machine: what a watchdog reset takes along. Bits 0 and 1 are the
@@ -41,6 +43,7 @@ struct rp2040_clock {
 #define RP2040_CLOCK_REF  ((struct rp2040_clock *)0x40008030U)
 #define RP2040_CLOCK_SYS  ((struct rp2040_clock *)0x4000803CU)
 #define RP2040_CLOCK_PERI ((struct rp2040_clock *)0x40008048U)
+#define RP2040_CLOCK_USB  ((struct rp2040_clock *)0x40008054U)
 enum {
     RP2040_CLOCK_REF_RING = 0,
     RP2040_CLOCK_REF_CRYSTAL = 2,
@@ -48,7 +51,9 @@ enum {
     RP2040_CLOCK_SYS_AUX = 1,
     RP2040_CLOCK_SYS_AUX_PLL = 0 << 5,
     RP2040_CLOCK_PERI_ENABLE = 1 << 11,
-    RP2040_CLOCK_PERI_SYS = 0 << 5
+    RP2040_CLOCK_PERI_SYS = 0 << 5,
+    RP2040_CLOCK_USB_ENABLE = 1 << 11,
+    RP2040_CLOCK_USB_PLL = 0 << 5
 };
 
 /// 2.16 Crystal oscillator.
@@ -64,6 +69,7 @@ struct rp2040_pll {
     volatile uint32_t control, power, feedback, post;
 };
 #define RP2040_PLL_SYS          ((struct rp2040_pll *)0x40028000U)
+#define RP2040_PLL_USB          ((struct rp2040_pll *)0x4002C000U)
 #define RP2040_PLL_CONTROL_LOCK (UINT32_C(1) << 31)
 enum {
     RP2040_PLL_POWER_DOWN = 1 << 0,
@@ -137,7 +143,53 @@ enum {
     RP2040_UART_INTERRUPT_IDLE = 1 << 6 ///< bytes have waited for 32 bit times
 };
 
+/// 4.1.3 USB: registers, as far as a device needs them.
+struct rp2040_usb_block {
+    volatile uint32_t address, host[15], control, frame_write, frame, line_control, line_status,
+        host_poll, buffers_done, which_buffer, abort, abort_done, stall_arm, nak_poll, stalled,
+        muxing, power, phy[4], raw, enable, force, status;
+};
+#define RP2040_USB ((struct rp2040_usb_block *)0x50110000U)
+enum {
+    RP2040_USB_CONTROL_ENABLE = 1 << 0,
+    RP2040_USB_LINE_CONTROL_PULL_UP = 1 << 16,
+    RP2040_USB_LINE_CONTROL_EP0_INTERRUPT = 1 << 29,
+    RP2040_USB_LINE_STATUS_SETUP = 1 << 17,
+    RP2040_USB_LINE_STATUS_RESET = 1 << 19,
+    RP2040_USB_STALL_EP0 = 3 << 0, ///< both directions
+    RP2040_USB_MUXING_PHY = 1 << 0,
+    RP2040_USB_MUXING_SOFT = 1 << 3,
+    RP2040_USB_POWER_DETECT = 1 << 2,          ///< as if the bus had power ...
+    RP2040_USB_POWER_DETECT_OVERRIDE = 1 << 3, ///< ... whatever the pin says
+    RP2040_USB_INTERRUPT_HOST_ONLY = 1 << 0,
+    RP2040_USB_INTERRUPT_BUFFERS = 1 << 4,
+    RP2040_USB_INTERRUPT_RESET = 1 << 12,
+    RP2040_USB_INTERRUPT_SETUP = 1 << 16
+};
+
+/// 4.1.2.5 The memory that processor and USB share.
+#define RP2040_USB_MEMORY_BYTES 4096U
+struct rp2040_usb_memory {
+    volatile uint8_t setup[8];
+    volatile uint32_t endpoint[15][2]; ///< from 1 on; in, out
+    volatile uint32_t buffer[16][2];   ///< control of each endpoint's buffer; in, out
+    volatile uint8_t data[RP2040_USB_MEMORY_BYTES - 0x100U];
+};
+#define RP2040_USB_MEMORY ((struct rp2040_usb_memory *)0x50100000U)
+enum { RP2040_USB_IN, RP2040_USB_OUT }; // as the host sees it
+#define RP2040_USB_ENDPOINT_ENABLE (UINT32_C(1) << 31)
+enum {
+    RP2040_USB_ENDPOINT_INTERRUPT = 1 << 29,
+    RP2040_USB_ENDPOINT_BULK = 2 << 26,
+    RP2040_USB_ENDPOINT_NOTICES = 3 << 26,
+    RP2040_USB_BUFFER_FULL = 1 << 15,
+    RP2040_USB_BUFFER_DATA1 = 1 << 13,
+    RP2040_USB_BUFFER_STALL = 1 << 11,
+    RP2040_USB_BUFFER_AVAILABLE = 1 << 10,
+    RP2040_USB_BUFFER_LENGTH = 0x3FF
+};
+
 /// 2.3.2 Interrupts.
-enum rp2040_irq { RP2040_IRQ_UART0 = 20, RP2040_IRQ_COUNT = 26 };
+enum rp2040_irq { RP2040_IRQ_USB = 5, RP2040_IRQ_UART0 = 20, RP2040_IRQ_COUNT = 26 };
 
 #endif

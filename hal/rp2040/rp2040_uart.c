@@ -3,9 +3,9 @@
 enum { LISTEN = RP2040_UART_INTERRUPT_RECEIVE | RP2040_UART_INTERRUPT_IDLE };
 
 /// The handler is the only one that touches the block: the program tells it that there is work.
-static enum hal_status serial_write(void *ctx, const uint8_t *data, size_t size_bytes,
-                                    size_t *written_bytes) {
-    struct rp2040_uart *uart = ctx;
+enum hal_status rp2040_uart_write(struct rp2040_uart *uart, const uint8_t *data, size_t size_bytes,
+                                  size_t *written_bytes) {
+    *written_bytes = 0;
     size_t count = 0;
     while (count < size_bytes && cortexm_ring_count(&uart->sending) < RP2040_UART_SEND_BYTES) {
         uart->send_bytes[uart->sending.put % RP2040_UART_SEND_BYTES] = data[count++];
@@ -19,9 +19,8 @@ static enum hal_status serial_write(void *ctx, const uint8_t *data, size_t size_
     return HAL_OK;
 }
 
-static enum hal_status serial_read(void *ctx, uint8_t *data, size_t capacity_bytes,
-                                   size_t *read_bytes) {
-    struct rp2040_uart *uart = ctx;
+enum hal_status rp2040_uart_read(struct rp2040_uart *uart, uint8_t *data, size_t capacity_bytes,
+                                 size_t *read_bytes) {
     size_t count = 0;
     while (count < capacity_bytes && cortexm_ring_count(&uart->received) != 0U) {
         data[count++] = uart->receive_bytes[uart->received.taken % RP2040_UART_RECEIVE_BYTES];
@@ -31,18 +30,8 @@ static enum hal_status serial_read(void *ctx, uint8_t *data, size_t capacity_byt
     return count != 0U ? HAL_OK : HAL_EMPTY;
 }
 
-static enum hal_status serial_state(void *ctx, struct hal_serial_state *state) {
-    const struct rp2040_uart *uart = ctx;
-    *state = (struct hal_serial_state){uart->lost_count, uart->damaged_count};
-    return HAL_OK;
-}
-
-static const struct hal_serial_ops rp2040_uart_serial_ops = {serial_write, serial_read,
-                                                             serial_state};
-
 void rp2040_uart_init(struct rp2040_uart *uart, struct rp2040_uart_block *block,
                       enum rp2040_irq irq, uint32_t core_hz, uint32_t baud) {
-    uart->hal = (struct hal_serial){&rp2040_uart_serial_ops, uart};
     uart->block = block;
     uart->irq = irq;
     uart->received = uart->sending = (struct cortexm_ring){0, 0};

@@ -1,4 +1,5 @@
-/// A serial port on UART0: 8N1, both directions through rings that the interrupt handler works on.
+/// A serial port on UART0: 8N1, both directions through rings that the interrupt handler works
+/// on.
 #ifndef RP2040_RP2040_UART_H
 #define RP2040_RP2040_UART_H
 
@@ -11,7 +12,6 @@
 #define RP2040_UART_SEND_BYTES    1024U
 
 struct rp2040_uart {
-    struct hal_serial hal;
     struct rp2040_uart_block *block;
     enum rp2040_irq irq;
     struct cortexm_ring received, sending;
@@ -23,6 +23,12 @@ struct rp2040_uart {
 /// core_hz: a multiple of 1 MHz, at most 512. Pins are the caller's business.
 void rp2040_uart_init(struct rp2040_uart *uart, struct rp2040_uart_block *block,
                       enum rp2040_irq irq, uint32_t core_hz, uint32_t baud);
+
+/// As hal_serial_write and hal_serial_read.
+enum hal_status rp2040_uart_write(struct rp2040_uart *uart, const uint8_t *data, size_t size_bytes,
+                                  size_t *written_bytes) MUST_CHECK;
+enum hal_status rp2040_uart_read(struct rp2040_uart *uart, uint8_t *data, size_t capacity_bytes,
+                                 size_t *read_bytes) MUST_CHECK;
 
 /// The handler of its interrupt.
 void rp2040_uart_on_interrupt(struct rp2040_uart *uart);

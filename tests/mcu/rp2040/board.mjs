@@ -3,7 +3,7 @@ import fs from 'fs';
 import { createRequire } from 'module';
 
 const require = createRequire(`${process.cwd()}/build/rp2040js/`);
-const { RP2040, GPIOPinState, ConsoleLogger, LogLevel } = require('rp2040js');
+const { RP2040, GPIOPinState, ConsoleLogger, LogLevel, USBCDC } = require('rp2040js');
 
 const FLASH = 0x10000000;
 const SRAM = 0x20000000;
@@ -116,5 +116,61 @@ export class Board {
             }
         }
         return found;
+    }
+}
+
+// A computer at the USB plug. It finds the device, chooses its configuration and opens the port (USB 2.0, 9.1.2; CDC).
+export class Computer {
+    constructor(board) {
+        this.usb = board.mcu.usbCtrl;
+        this.cdc = new USBCDC(this.usb);
+        this.text = '';
+        this.typed = [];
+        this.found = false;
+        this.asked = null; // where the bytes of endpoint 0 go while a request of ours runs
+        this.given = []; // and what it takes
+        this.room = 0;
+        this.cdc.onSerialData = (bytes) => (this.text += Buffer.from(bytes).toString());
+        this.cdc.onDeviceConnected = () => (this.found = true);
+        const onWrite = this.usb.onEndpointWrite;
+        this.usb.onEndpointWrite = (endpoint, bytes) => {
+            if (endpoint === 0 && this.asked !== null) this.asked.push(Buffer.from(bytes));
+            else onWrite(endpoint, bytes);
+        };
+        this.usb.onEndpointRead = (endpoint, bytes) => {
+            if (endpoint === 0) this.usb.endpointReadDone(0, new Uint8Array(this.given.splice(0, bytes)));
+            else if (endpoint === this.cdc.outEndpoint) {
+                this.room = bytes;
+                this.deliver();
+            }
+        };
+    }
+
+    deliver() {
+        if (this.room === 0 || this.typed.length === 0) return;
+        const bytes = this.typed.splice(0, this.room);
+        this.room = 0;
+        this.usb.endpointReadDone(this.cdc.outEndpoint, new Uint8Array(bytes));
+    }
+
+    type(text) {
+        this.typed.push(...Buffer.from(text));
+        this.deliver();
+    }
+
+    // A request to endpoint 0: type, request, value, index, length; bytes to give. The packets of the answer are in asked afterwards.
+    request(type, request, value, index, length, given = []) {
+        this.asked = [];
+        this.given = given;
+        this.usb.epStallArm = 0;
+        this.usb.sendSetupPacket(new Uint8Array([type, request, value & 255, value >> 8, index & 255, index >> 8, length & 255, length >> 8]));
+    }
+
+    get refused() {
+        return this.usb.epStallArm === 3;
+    }
+
+    open(yes = true) {
+        this.request(0x21, 0x22, yes ? 3 : 0, 0, 0);
     }
 }

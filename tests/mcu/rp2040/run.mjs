@@ -1,7 +1,7 @@
 // Usage: node run.mjs IMAGE.uf2 LAYOUT BUILD-ID TRACE   The image of the Raspberry Pi Pico in rp2040js: verdicts on its output; the
 // servo pulses of a moving target go into TRACE for the plant (tests/mcu/rp2040/plant.c).
 import fs from 'fs';
-import { Board, readUf2 } from './board.mjs';
+import { Board, Computer, readUf2 } from './board.mjs';
 
 const [uf2, layoutPath, buildId, tracePath] = process.argv.slice(2);
 const MS = 1e6;
@@ -147,7 +147,7 @@ function brokenClocks() {
         board.run(900 * MS);
         command(board, layout.command_arm);
         board.run(3500 * MS);
-        verdict(`${name}: says so`, board.lines.includes(`clock: ${said}`), board.lines.join('|'));
+        verdict(`${name}: says so`, board.lines.includes(`clock: ${said}, no USB`), board.lines.join('|'));
         verdict(`${name}: will not arm`, board.lines.includes(`will not arm: ${said.split(', ')[1]}`) && board.edges.every((edge) => !edge.high),
             board.lines.join('|'));
         // A watchdog that counts the ring oscillator instead of the crystal bites after 33,000 of its cycles.
@@ -155,6 +155,47 @@ function brokenClocks() {
         const busy = board.lines.map((line) => /busy (\d+) us/.exec(line)).filter(Boolean).map((match) => match[1] * mhz);
         verdict(`${name}: each tick takes less than 0.6 of the watchdog's cycles`, busy.length >= 3 && Math.max(...busy) < 20000, `${busy}`);
     }
+}
+
+// ---------------------------------------------------------------- the USB plug
+
+function talksOverUsb() {
+    const board = new Board(flash);
+    const computer = new Computer(board);
+    const { usb, cdc } = computer;
+    const ask = (...request) => {
+        computer.request(...request);
+        board.run(board.ns + MS);
+        return Buffer.concat(computer.asked);
+    };
+    board.run(60 * MS);
+    verdict('USB: is found, gets an address and a configuration', computer.found && usb.addrEndp === 1 && cdc.inEndpoint === 2 && cdc.outEndpoint === 2);
+    verdict('USB: says nothing while the port is closed', computer.text === '' && ask(0x80, 8, 0, 0, 1)[0] === 1);
+    const product = ask(0x80, 6, 0x0302, 0x0409, 255);
+    verdict('USB: tells its name', product[0] === product.length && product.subarray(2).toString('utf16le') === 'Boresight gimbal', product.toString());
+    const device = ask(0x80, 6, 0x0100, 0, 18);
+    verdict('USB: tells what it is, and no more than was asked for', device.length === 18 && device[4] === 2 && ask(0x80, 6, 0x0100, 0, 8).length === 8);
+    const whole = ask(0x80, 6, 0x0200, 0, 255);
+    verdict('USB: sends what is longer than a packet in two', whole.length === 67 && whole.readUInt16LE(2) === 67 && computer.asked.length === 2);
+    ask(0x80, 6, 0x0600, 0, 10);
+    verdict('USB: refuses what it does not know', computer.refused && computer.asked.length === 0);
+    ask(0x21, 0x20, 0, 0, 7, [0x80, 0x25, 0, 0, 0, 0, 8]);
+    verdict('USB: keeps the speed that is set', computer.asked.length === 1 && ask(0xa1, 0x21, 0, 0, 7).readUInt32LE(0) === 9600);
+
+    computer.open();
+    board.run(1500 * MS);
+    verdict('USB: says what the serial port says', /^ +1 s  ready .*missed 0\r\n$/.test(computer.text) && board.text.endsWith(computer.text), computer.text);
+    computer.open(false);
+    const said = computer.text.length;
+    board.run(2500 * MS);
+    verdict('USB: is silent when the port is closed; the serial port is not', computer.text.length === said && / 2 s /.test(board.text));
+    const again = new Computer(board);
+    usb.resetDevice();
+    board.run(board.ns + 60 * MS);
+    again.open();
+    board.run(board.ns + 20 * MS);
+    board.run(3500 * MS);
+    verdict('USB: is found again after a reset of the bus', again.found && / 3 s /.test(again.text) && !/missed [1-9]/.test(board.text), again.text);
 }
 
 function refusesWrongSum() {
@@ -175,5 +216,6 @@ drivesThePlant(board);
 stops(board);
 watchdogBites(board);
 brokenClocks();
+talksOverUsb();
 refusesWrongSum();
 process.exit(failed === 0 ? 0 : 1);
