@@ -20,7 +20,7 @@
 #include <stdlib.h>
 
 static uint64_t seed;
-static unsigned long small_count = 20000UL;
+static unsigned long small_count = 9000UL;
 static double excess_rad_max;
 
 static uint32_t below(uint32_t limit) {
@@ -154,21 +154,22 @@ static void small_sets(void) {
     CHECK(small_count < 1000UL || (feasible > small_count / 4U && feasible < small_count));
 }
 
-static void every_set_of_up_to_four(void) {
+/// Of the 26 directions with components -1, 0, 1; of the sets of four every fourth.
+static void every_set_of_up_to_three(void) {
     for (uint32_t set = 1; set < UINT32_C(1) << 26 && check_clean(); set++) {
         struct vec3 points[4];
         struct cone_result results[METHOD_COUNT];
         const uint32_t count = cone_sets_of_bits(set, 4, points);
-        if (count != 0U) {
+        if (count != 0U && (count < 4U || below(4) == 0U)) {
             cone_sets_shuffle(&seed, points, count);
-            check_small(points, count, set % 8U == 0U, results);
+            check_small(points, count, set % 32U == 0U, results);
         }
     }
 }
 
 static void larger_sets(void) {
     static struct vec3 points[METHODS_COUNT_MAX];
-    for (unsigned i = 0; i < 200U && check_clean(); i++) {
+    for (unsigned i = 0; i < 100U && check_clean(); i++) {
         const uint32_t count = 13U + below(i % 10U == 0U ? 587U : 90U);
         cone_sets_draw_large((enum cone_large_class)(i % LARGE_COUNT), &seed, points, count);
         struct cone_result first, result;
@@ -244,7 +245,7 @@ int main(void) {
     TEST(errors_are_named);
     TEST(recorded_sets);
     TEST(small_sets);
-    TEST(every_set_of_up_to_four);
+    TEST(every_set_of_up_to_three);
     TEST(larger_sets);
     TEST(certificates_refuse);
     printf("# worst excess %.3f nrad\n", excess_rad_max * 1e9);
