@@ -156,9 +156,9 @@ void hull_levine(struct mesh *mesh, const struct extremes *extremes) {
             left = i;
         }
     }
-    while (listed != MESH_NONE) {
+    do { // at first all extreme points may be corners already
         add_listed(mesh, listed);
         left = test_all(mesh, left);
         listed = take_highest(mesh, &left);
-    }
+    } while (listed != MESH_NONE);
 }

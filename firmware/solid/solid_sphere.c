@@ -70,7 +70,17 @@ static int64_t squared_distance(const struct pivot *s, struct vec3 p) {
 
 /// Is the point outside? Its rounded squared distance is known.
 static bool is_outside(const struct pivot *s, struct vec3 p, int64_t distance) {
-    return distance > s->outside || (distance >= s->inside && circumsphere_side(&s->sphere, p) > 0);
+    if (distance > s->outside || distance < s->inside) {
+        return distance > s->outside;
+    }
+    const int64_t one = (int64_t)1 << 30;
+    const struct vec3_i64 d =
+        vec3_i64_sub((struct vec3_i64){p.x * one, p.y * one, p.z * one}, s->center_q30);
+    const struct i128 square = vec3_i64_dot(d, d);
+    if (i128_cmp(square, s->inside_q60) < 0 || i128_cmp(square, s->outside_q60) > 0) {
+        return i128_cmp(square, s->outside_q60) > 0;
+    }
+    return circumsphere_side(&s->sphere, p) > 0;
 }
 
 /// Tries the subset `mask` of the candidates (the last one is always in it) as the new support.
