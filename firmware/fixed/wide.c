@@ -55,8 +55,8 @@ struct i256 i256_product(struct i256 a, struct i256 b) {
     for (unsigned i = 0; i < 4U; i++) {
         uint64_t carry = 0;
         for (unsigned j = 0; i + j < 4U; j++) {
-            const struct u128 sum = u128_add(u128_mul(a.word[i], b.word[j]),
-                                             (struct u128){product.word[i + j], 0});
+            const struct u128 sum =
+                u128_add(u128_mul(a.word[i], b.word[j]), (struct u128){product.word[i + j], 0});
             product.word[i + j] = sum.lo + carry;
             carry = sum.hi + (product.word[i + j] < carry);
         }
