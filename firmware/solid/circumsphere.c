@@ -135,6 +135,12 @@ static struct i256 shifted_left(struct i256 a, unsigned shift) {
     return out;
 }
 
+static struct i256 halved(struct i256 a) {
+    return (struct i256){{(a.word[0] >> 1) | (a.word[1] << 63),
+                          (a.word[1] >> 1) | (a.word[2] << 63),
+                          (a.word[2] >> 1) | (a.word[3] << 63), a.word[3] >> 1}};
+}
+
 /// numerator * 2^30 / denominator, rounded to nearest, halves away from zero; below 2^63 in size.
 static int64_t quotient_q30(struct i256 numerator, struct i256 denominator) {
     const bool negative = i256_sign(numerator) < 0;
@@ -142,12 +148,18 @@ static int64_t quotient_q30(struct i256 numerator, struct i256 denominator) {
     const struct i256 size = negative ? i256_neg(numerator) : numerator;
     struct i256 rest = i256_add(shifted_left(size, 31), denominator);
     const struct i256 divisor = i256_add(denominator, denominator);
+    const unsigned length = i256_bit_length(rest), least = i256_bit_length(divisor);
     uint64_t quotient = 0;
-    for (unsigned bit = 63; bit-- != 0U;) {
-        const struct i256 part = shifted_left(divisor, bit);
-        if (i256_sign(i256_sub(rest, part)) >= 0) {
-            rest = i256_sub(rest, part);
-            quotient |= UINT64_C(1) << bit;
+    if (length >= least) { // digit by digit, in base 2
+        struct i256 part = shifted_left(divisor, length - least);
+        for (unsigned bit = length - least + 1U; bit-- != 0U;) {
+            const struct i256 left = i256_sub(rest, part);
+            quotient *= 2U;
+            if ((left.word[3] >> 63) == 0U) {
+                rest = left;
+                quotient++;
+            }
+            part = halved(part);
         }
     }
     return negative ? -(int64_t)quotient : (int64_t)quotient;
