@@ -1,6 +1,7 @@
 #include "points.h"
 
 #include "lines.h"
+#include "places.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -114,13 +115,14 @@ static bool read_int32(struct place place, struct column column, int32_t *out) {
     return true;
 }
 
-static bool read_q30(struct place place, const struct column *columns, struct direction *out) {
+static bool read_q30(struct place place, const struct column *columns, bool may_be_zero,
+                     struct direction *out) {
     struct vec3 *const v = &out->coarse;
     if (!read_int32(place, columns[0], &v->x) || !read_int32(place, columns[1], &v->y) ||
         !read_int32(place, columns[2], &v->z)) {
         return false;
     }
-    if (vec3_is_zero(*v)) {
+    if (vec3_is_zero(*v) && !may_be_zero) {
         message_at(place.file, place.line, "the zero vector has no direction");
         return false;
     }
@@ -177,33 +179,56 @@ static bool grow(struct points *points, bool named) {
     return true;
 }
 
-/// Keeps the name of the point that is being added. False: no memory.
-static bool add_name(struct points *points, struct column name) {
-    if (points->name_room - points->name_used <= name.size) {
-        const size_t room = points->name_room * 2U + name.size + 1U;
-        char *const text = realloc(points->name_text, room);
-        if (text == NULL) {
+/// Appends a word and a NUL to a buffer. False: no memory.
+static bool add_word(char **text, size_t *used, size_t *room, struct column word) {
+    if (*room - *used <= word.size) {
+        const size_t wanted = *room * 2U + word.size + 1U;
+        char *const grown = realloc(*text, wanted);
+        if (grown == NULL) {
             return false;
         }
-        points->name_text = text;
-        points->name_room = room;
+        *text = grown;
+        *room = wanted;
     }
-    points->names[points->count] = points->name_used;
-    memcpy(points->name_text + points->name_used, name.text, name.size);
-    points->name_used += name.size;
-    points->name_text[points->name_used++] = '\0';
+    memcpy(*text + *used, word.text, word.size);
+    *used += word.size;
+    (*text)[(*used)++] = '\0';
     return true;
+}
+
+/// Keeps the name of the point that is being added. False: no memory.
+static bool add_name(struct points *points, struct column name) {
+    points->names[points->count] = points->name_used;
+    return add_word(&points->name_text, &points->name_used, &points->name_room, name);
+}
+
+/// Keeps coordinates as written until all are known.
+static bool add_place(struct points *points, const struct column *columns) {
+    for (int i = 0; i < 3; i++) {
+        if (!add_word(&points->place_text, &points->place_used, &points->place_room, columns[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// A coordinate each that decimal_read takes.
+static bool are_decimals(struct place place, const struct column *columns) {
+    struct decimal ignored;
+    return read_decimal(place, columns[0], &ignored) && read_decimal(place, columns[1], &ignored) &&
+           read_decimal(place, columns[2], &ignored);
 }
 
 static bool read_columns(struct place place, const struct column *columns,
                          const struct points_format *format, struct direction *out) {
     switch (format->input) {
     case POINTS_Q30:
-        return read_q30(place, columns, out);
+        return read_q30(place, columns, format->places, out);
     case POINTS_RADEC:
         return read_radec(place, columns, out);
     default:
-        return read_xyz(place, columns, format, out);
+        return format->places ? are_decimals(place, columns)
+                              : read_xyz(place, columns, format, out);
     }
 }
 
@@ -235,11 +260,12 @@ static enum exit_status read_line(struct place place, const char *text, size_t s
                    wanted_columns(format));
         return EXIT_STATUS_USAGE;
     }
-    struct direction direction;
+    struct direction direction = {0};
     if (!read_columns(place, columns + first, format, &direction)) {
         return EXIT_STATUS_USAGE;
     }
-    if (!grow(out, format->named) || (format->named && !add_name(out, columns[0]))) {
+    if (!grow(out, format->named) || (format->named && !add_name(out, columns[0])) ||
+        (format->places && format->input == POINTS_XYZ && !add_place(out, columns + first))) {
         message_at(place.file, place.line, "no memory for more than %lu points",
                    (unsigned long)out->count);
         return EXIT_STATUS_FAILURE;
@@ -270,7 +296,9 @@ static enum exit_status read_all(struct lines *lines, const struct points_format
             return status;
         }
     }
-    if (!out->fine_exact) {
+    if (format->places) {
+        places_finish(out, format->input == POINTS_XYZ);
+    } else if (!out->fine_exact) {
         out->fine_error_rad = format->input == POINTS_RADEC ? direction_degrees_error_rad
                                                             : direction_decimals_error_rad;
     }
@@ -305,6 +333,7 @@ void points_free(struct points *points) {
     free(points->fine);
     free(points->names);
     free(points->name_text);
+    free(points->place_text);
     *points = (struct points){0};
 }
 

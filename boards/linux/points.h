@@ -18,18 +18,25 @@ struct points_format {
     enum points_input input;
     bool named;                  ///< a name stands before the numbers
     struct decimal viewpoint[3]; ///< for POINTS_XYZ
+    /// The points themselves, not their directions from a viewpoint: POINTS_XYZ and POINTS_Q30.
+    bool places;
 };
 
 struct points {
     uint32_t count;
-    struct vec3 *directions;    ///< what the solvers take
+    /// What the solvers take: directions, or with format.places the points in units of `unit`.
+    struct vec3 *directions;
     struct vec3_i64 *fine;      ///< the same directions for measuring (direction.h)
     size_t *names;              ///< where each name starts in name_text; NULL unless named
     char *name_text;            ///< the names, each ending with a NUL
     bool fine_exact;            ///< of all points
     long double fine_error_rad; ///< how far a `fine` direction can be from the true one
+    long double unit;           ///< of places
+    bool places_exact; ///< they are as written; else each coordinate is off by up to half a unit
     uint32_t room;
     size_t name_used, name_room;
+    char *place_text; ///< while reading: the coordinates as written, each with a NUL
+    size_t place_used, place_room;
 };
 
 /// Reads the file at path; NULL or "-": stdin. A fault is told in one line on stderr.

@@ -50,6 +50,20 @@ struct i256 i256_mul(struct i128 a, struct i128 b) {
     return negative ? i256_neg(product) : product;
 }
 
+struct i256 i256_product(struct i256 a, struct i256 b) {
+    struct i256 product = {{0}};
+    for (unsigned i = 0; i < 4U; i++) {
+        uint64_t carry = 0;
+        for (unsigned j = 0; i + j < 4U; j++) {
+            const struct u128 sum =
+                u128_add(u128_mul(a.word[i], b.word[j]), (struct u128){product.word[i + j], 0});
+            product.word[i + j] = sum.lo + carry;
+            carry = sum.hi + (product.word[i + j] < carry);
+        }
+    }
+    return product;
+}
+
 unsigned i256_bit_length(struct i256 a) {
     const struct i256 size = i256_sign(a) < 0 ? i256_neg(a) : a;
     for (unsigned i = 4; i != 0U; i--) {

@@ -121,6 +121,9 @@ struct i256 i256_neg(struct i256 a);
 /// Full product of two signed 128-bit numbers; every pair fits.
 struct i256 i256_mul(struct i128 a, struct i128 b);
 
+/// a * b modulo 2^256: the product, where it fits. Shown: tests/property/wide.c.
+struct i256 i256_product(struct i256 a, struct i256 b);
+
 /// Number of bits of |a|: 0 for 0, 1 for 1 and -1, 255 for most large numbers.
 unsigned i256_bit_length(struct i256 a);
 

@@ -299,6 +299,18 @@ static void products_of_wide_vectors(void) {
     mpz_clear(cross);
 }
 
+static void products_modulo_2_256(void) {
+    for (unsigned long i = 0; i < count && check_clean(); i++) {
+        const struct i256 a = any_i256(), b = any_i256();
+        set_i256(p, a);
+        set_i256(q, b);
+        mpz_mul(wanted, p, q);
+        set_i256(got, i256_product(a, b));
+        mpz_sub(wanted, wanted, got);
+        CHECK(mpz_divisible_2exp_p(wanted, 256) != 0);
+    }
+}
+
 static void products_of_int32_vectors(void) {
     for (unsigned long i = 0; i < count && check_clean(); i++) {
         const struct vec3 a = any_vec3(), b = any_vec3();
@@ -332,6 +344,7 @@ int main(void) {
     TEST(sums_of_128_bits);
     TEST(products);
     TEST(sums_of_256_bits);
+    TEST(products_modulo_2_256);
     TEST(shifts);
     TEST(division);
     TEST(determinants);

@@ -1,0 +1,72 @@
+#include "places.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+/// The coordinates as written, one after the other.
+struct words {
+    const char *at;
+};
+
+static struct decimal next_word(struct words *words) {
+    struct decimal value;
+    const size_t size = strlen(words->at);
+    const enum decimal_status status = decimal_read(words->at, size, &value);
+    assert(status == DECIMAL_OK); // it was when the line was read
+    (void)status;
+    words->at += size + 1U;
+    return value;
+}
+
+static void set_axis(struct vec3 *point, uint32_t axis, int64_t value) {
+    *(axis == 0U ? &point->x : axis == 1U ? &point->y : &point->z) = (int32_t)value;
+}
+
+/// All coordinates * 10^shift / divisor, rounded. False: one of them does not fit int32.
+static bool scale(struct points *points, int32_t shift, uint64_t divisor) {
+    struct words words = {points->place_text};
+    for (uint32_t i = 0; i < 3U * points->count; i++) {
+        struct decimal value = next_word(&words);
+        int64_t whole;
+        value.exponent += value.digit_count != 0U ? shift : 0;
+        if (!decimal_scale(&value, 1, divisor, &whole) || whole > INT32_MAX || whole < -INT32_MAX) {
+            return false;
+        }
+        set_axis(&points->directions[i / 3U], i % 3U, whole);
+    }
+    return true;
+}
+
+void places_finish(struct points *points, bool from_text) {
+    points->unit = 1.0L;
+    points->places_exact = true;
+    int32_t lowest = INT32_MAX, highest = INT32_MIN;
+    struct words words = {points->place_text};
+    for (uint32_t i = 0; i < 3U * points->count && from_text; i++) {
+        const struct decimal value = next_word(&words);
+        const int32_t top = value.exponent + (int32_t)value.digit_count;
+        if (value.digit_count != 0U) {
+            lowest = value.exponent < lowest ? value.exponent : lowest;
+            highest = top > highest ? top : highest;
+        }
+    }
+    if (!from_text) {
+        return;
+    }
+    if (lowest == INT32_MAX) { // all zero
+        memset(points->directions, 0, points->count * sizeof *points->directions);
+        return;
+    }
+    if (highest - lowest <= 10 && scale(points, -lowest, 1)) {
+        points->unit = powl(10.0L, (long double)lowest);
+        return;
+    }
+    // Ten digits before the point, then halved until they fit.
+    points->places_exact = false;
+    uint64_t divisor = 1;
+    while (!scale(points, 10 - highest, divisor)) {
+        divisor *= 2U;
+    }
+    points->unit = (long double)divisor * powl(10.0L, (long double)(highest - 10));
+}
