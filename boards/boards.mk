@@ -72,6 +72,7 @@ $(B)/boards/%.hex: $(B)/boards/%.elf
 board-named:
 	@case ' $(mcu_boards) ' in *' $(or $(BOARD),none) '*) ;; *) \
 	    echo 'Which board? BOARD=NAME, one of: $(mcu_boards)' >&2; exit 2 ;; esac
+	@[ -z '$(RIG)' ] || [ -r '$(RIG)' ] || { echo 'RIG=$(RIG): no such file' >&2; exit 2; }
 need-firmware: board-named
 	@.ci/need firmware
 

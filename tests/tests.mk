@@ -11,6 +11,7 @@ test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
 include tests/mcu/mps2/mps2.mk
 include tests/mcu/tick/tick.mk
 test_runs += script/tests/mcu/rp2040/pico
+include tests/mcu/hal/hal.mk
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check

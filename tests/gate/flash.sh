@@ -72,5 +72,8 @@ for target in firmware flash debug; do
     [ $? -eq 2 ] && printf '%s\n' "$said" | grep -q '^Which board? BOARD=NAME, one of: .*stm32f405'
     verdict "make $target of a board that is none says which there are" $?
 done
+said=$(make -s --no-print-directory firmware BOARD=stm32f405 RIG="$dir/none.ini" 2>&1)
+[ $? -eq 2 ] && printf '%s\n' "$said" | grep -qx "RIG=$dir/none.ini: no such file"
+verdict 'make firmware of a rig that is none says so' $?
 rm -r "$dir"
 exit $status

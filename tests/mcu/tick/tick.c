@@ -296,7 +296,7 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         const uint32_t solved = loop.controller.aims_solved;
         const bool warm = tick >= WARM_TICKS;
         now_us_value += compiled_rig.tick_us;
-        const bool first = tick < TARGET_CAPACITY / CONTROLLER_UPDATES_MAX;
+        const bool first = tick * CONTROLLER_UPDATES_MAX < TARGET_CAPACITY;
         const uint32_t reports = first ? CONTROLLER_UPDATES_MAX : warm ? scene->reports : 0U;
         if (!report_targets(scene, reports, &next)) {
             return "reports are left over";
