@@ -34,6 +34,8 @@ $(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t)
 $(B)/check/script/tests/mcu/cpu/layout.log: $(B)/gcc/tests/mcu/layout
 $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/exceptions
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/board.log): $(B)/gcc/tests/cli/support/pty_board
+-include $(B)/gcc/tests/cli/support/pty_board.d
 
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE

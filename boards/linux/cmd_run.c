@@ -2,6 +2,7 @@
 #include "command.h"
 #include "facts.h"
 #include "rig.h"
+#include "run_board.h"
 #include "target_source.h"
 
 #include "sim.h"
@@ -154,7 +155,8 @@ static bool devices_supported(const struct rig *rig) {
 
 static enum exit_status start(const struct command *command, const struct settings *settings,
                               uint64_t limit_us, struct run *run) {
-    if (!devices_supported(&run->rig)) {
+    const bool on_board = run->rig.board_device != NULL;
+    if (!on_board && !devices_supported(&run->rig)) {
         return EXIT_STATUS_DEVICE;
     }
     if (settings->targets != NULL) {
@@ -164,6 +166,14 @@ static enum exit_status start(const struct command *command, const struct settin
         }
     }
     run->rig.controller.arm_on_start = run->rig.controller.arm_on_start || settings->arm;
+    if (on_board) {
+        const struct run_board_options board = {.source = run->has_source ? &run->source : NULL,
+                                                .limit_us = limit_us,
+                                                .arm = run->rig.controller.arm_on_start,
+                                                .json = settings->json,
+                                                .interrupted = &interrupted};
+        return run_board(command, &run->rig, &board);
+    }
     const struct sim_config config = {.controller = &run->rig.controller,
                                       .schedule = &run->schedule,
                                       .seed = 1,
@@ -226,8 +236,10 @@ const struct command command_run = {
         "at\n"
         "the times in it. SIGINT and SIGTERM: decelerate, hold, report, exit status 0. A fault\n"
         "does the same with exit status 5. A line that can't be read is named and skipped.\n"
-        "This build opens fakes only (bus = fake, device = fake); real devices come with the\n"
-        "Linux rig: exit status 4.\n",
+        "With board = serial:DEVICE in [controller] a flashed board drives the rig, and this "
+        "program\n"
+        "sends it the targets. Without, this build opens fakes only (bus = fake, device = fake);\n"
+        "real devices come with the Linux rig: exit status 4.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

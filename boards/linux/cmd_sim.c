@@ -68,6 +68,8 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, mcu.faults), NULL},
     {"--mcu-console", "FILE", "write what the board says on its serial line; - is stderr",
      option_text, offsetof(struct settings, mcu.console), NULL},
+    {"--mcu-serial", "LINK", "make LINK a terminal at the board's serial line; with --speed 1",
+     option_text, offsetof(struct settings, mcu.serial), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
     OPTION_JSON(struct settings),
 };
@@ -345,8 +347,10 @@ static enum exit_status run_command(const struct command *command, int argc, cha
         return replay_file(command, settings.replay, settings.json);
     }
     if (settings.mcu.image == NULL &&
-        (settings.mcu.faults != NULL || settings.mcu.console != NULL)) {
-        message_command(command->name, "--mcu-faults and --mcu-console belong to --mcu");
+        (settings.mcu.faults != NULL || settings.mcu.console != NULL ||
+         settings.mcu.serial != NULL)) {
+        message_command(command->name,
+                        "--mcu-faults, --mcu-console and --mcu-serial belong to --mcu");
         return EXIT_STATUS_USAGE;
     }
     if (settings.record != NULL && count != 1U) {

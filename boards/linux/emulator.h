@@ -14,6 +14,7 @@
 struct emulator_options {
     const char *image;
     const char *faults;  ///< "can-short@2.5,pan-silent@3"; NULL: none
+    const char *serial;  ///< a link to make to a pseudo-terminal: its serial line; NULL: none
     const char *console; ///< file for what the board says; "-": stderr; NULL: none
 };
 

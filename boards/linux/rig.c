@@ -204,6 +204,25 @@ static void build_settings(const struct rig_file *file, struct controller_config
     controller->arm_on_start = file->safety.arm_on_start;
 }
 
+/// `serial:DEVICE`, or nothing.
+static bool build_board(const struct rig_file *file, const struct ini *ini, struct rig *rig) {
+    static const char scheme[] = "serial:";
+    const size_t size = sizeof scheme - 1U;
+    const char *board = file->controller.board;
+    rig->board_baud = (uint32_t)file->controller.board_baud;
+    rig->any_board_build = file->controller.board_build == RIG_BOARD_ANY;
+    if (board[0] == '\0') {
+        return true;
+    }
+    if (strncmp(board, scheme, size) != 0 || board[size] == '\0') {
+        ini_complain(ini, "controller", "", "board", "needs serial: and a device: %s",
+                     "serial:/dev/ttyACM0");
+        return false;
+    }
+    rig->board_device = board + size;
+    return true;
+}
+
 static bool channels_differ(const struct ini *ini, const struct controller_config *controller) {
     for (unsigned a = 0; a < AXIS_COUNT; a++) {
         for (unsigned b = a + 1U; b < AXIS_COUNT; b++) {
@@ -235,11 +254,11 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
     }
     out->controller.tick_us = tick_us != 0U ? tick_us : (uint32_t)file.controller.tick_us;
     build_settings(&file, &out->controller);
-    const bool built = build_mount(&file, &out->ini, &out->controller) &&
-                       build_axis(&file, &out->ini, AXIS_PAN, out) &&
-                       build_axis(&file, &out->ini, AXIS_TILT, out) &&
-                       build_zoom(&file, &out->ini, out) &&
-                       channels_differ(&out->ini, &out->controller);
+    const bool built =
+        build_mount(&file, &out->ini, &out->controller) && build_board(&file, &out->ini, out) &&
+        build_axis(&file, &out->ini, AXIS_PAN, out) &&
+        build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
+        channels_differ(&out->ini, &out->controller);
     return built ? EXIT_STATUS_OK : EXIT_STATUS_USAGE;
 }
 
@@ -300,6 +319,10 @@ void rig_explain(const struct rig *rig, FILE *stream) {
                 lens->point[lens->point_count - 1U].focal_um / 1000.0);
     } else {
         fprintf(stream, "  zoom   none: a fixed lens of %.1f mm\n", rig->fixed_focal_mm);
+    }
+    if (rig->board_device != NULL) {
+        fprintf(stream, "  rig    driven by the board at %s\n", rig->board_device);
+        return;
     }
     fprintf(stream, "  rig    %s\n",
             rig_is_fake(rig) ? "simulated: every device is a fake" : "names real devices");

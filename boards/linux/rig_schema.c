@@ -7,6 +7,7 @@
 
 static const char *const drives[] = {"rmd", "pwm", "fake", NULL};
 static const char *const zoom_drives[] = {"pwm", NULL};
+static const char *const builds[] = {"same", "any", NULL};
 static const char *const dialects[] = {"v3", "lktech", NULL};
 
 #define MOUNT(member) .offset = offsetof(struct rig_mount, member)
@@ -292,6 +293,24 @@ static const struct ini_key controller_keys[] = {
      DEGREES_Q48,
      CONTROLLER(jump_q48),
      .help = "an aim that moves farther at once is a new one"},
+    {.name = "board",
+     .type = INI_TEXT,
+     .fallback = "",
+     CONTROLLER(board),
+     .help = "serial:DEVICE: the board that drives the rig; empty: this computer does"},
+    {.name = "board_baud",
+     .type = INI_WHOLE,
+     .fallback = "115200",
+     .min = "1200",
+     .max = "4000000",
+     CONTROLLER(board_baud),
+     .help = "speed of that line; USB boards take any"},
+    {.name = "board_build",
+     .type = INI_CHOICE,
+     .fallback = "same",
+     .choices = builds,
+     CONTROLLER(board_build),
+     .help = "same: the board must run this program's build; any: it may run another"},
 };
 
 #define SAFETY(member) .offset = offsetof(struct rig_safety, member)

@@ -36,6 +36,9 @@ struct rig_camera {
 
 struct rig_controller {
     int64_t tick_us, expiry_us, smoothing_q16, coast_us, jump_q48;
+    const char *board;
+    int64_t board_baud;
+    int board_build;
 };
 
 struct rig_safety {
@@ -55,6 +58,8 @@ struct rig_file {
 };
 
 enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE };
+
+enum rig_board_build { RIG_BOARD_SAME, RIG_BOARD_ANY };
 
 extern const struct ini_schema rig_schema;
 

@@ -40,13 +40,16 @@ void board_loop_init(struct board_loop *loop, const struct board_config *config,
     if (hal_watchdog_reset_cause(devices->watchdog, &loop->status.reset_cause) != HAL_OK) {
         loop->status.reset_cause = HAL_RESET_UNKNOWN;
     }
-    refuse(loop, !controller_init(&loop->controller, config->controller),
+    board_settings_init(&loop->settings, config->controller);
+    refuse(loop, !controller_init(&loop->controller, &loop->settings.now),
            "the settings are not valid");
     loop->pump.output = (struct controller_output){0}; // told before the first tick
     loop->runs = pump_init(&loop->pump, &loop->controller, &devices->pump);
     refuse(loop, !loop->runs, "a device that the drives need is missing");
     refuse(loop, !set_filters(loop), "the CAN filters can't be set");
-    board_console_init(&loop->console, devices->console, config->notes);
+    loop->pump.input.now_us = loop->last_now_us;
+    board_console_init(&loop->console, devices->console, config->notes, &loop->pump, &loop->status,
+                       &loop->settings);
     refuse(loop, hal_watchdog_start(devices->watchdog, BOARD_WATCHDOG_US) != HAL_OK,
            "the watchdog does not start");
 }
@@ -117,7 +120,7 @@ static void talk(struct board_loop *loop) {
     if (loop->devices.pump.can != NULL) {
         look_at_bus(loop);
     }
-    board_console_poll(&loop->console, &loop->pump, &loop->status);
+    board_console_poll(&loop->console);
     loop->checked_in |= BOARD_TASK_CONSOLE;
 }
 

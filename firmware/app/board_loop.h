@@ -50,7 +50,7 @@ enum board_task {
     BOARD_TASKS = 7
 };
 
-/// About 31 KiB.
+/// About 33 KiB.
 struct board_loop {
     const struct board_config *config;
     struct board_devices devices;
@@ -60,6 +60,7 @@ struct board_loop {
     uint32_t last_now_us;
     bool runs;    ///< the pump has all that it needs
     bool enabled; ///< the enable line, as last written
+    struct board_settings settings;
     struct board_console console;
     struct pump pump;
     struct controller controller;

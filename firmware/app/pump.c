@@ -17,7 +17,7 @@ bool pump_init(struct pump *pump, struct controller *controller,
                const struct pump_devices *devices) {
     pump->devices = *devices;
     pump->controller = controller;
-    pump->update_first = pump->update_count = 0;
+    pump_forget(pump);
     pump->commands = 0;
     pump->input.frame_count = pump->input.update_count = 0;
     pump->errors = (struct pump_errors){0};
@@ -32,11 +32,27 @@ bool pump_init(struct pump *pump, struct controller *controller,
 bool pump_push(struct pump *pump, const struct target_update *update) {
     if (pump->update_count == PUMP_UPDATES_MAX) {
         pump->errors.updates_dropped++;
+        pump_release(pump);
         return false;
     }
     pump->update[(pump->update_first + pump->update_count) % PUMP_UPDATES_MAX] = *update;
     pump->update_count++;
+    pump->held_count += pump->holds;
     return true;
+}
+
+void pump_hold(struct pump *pump) {
+    pump->holds = true;
+}
+
+void pump_release(struct pump *pump) {
+    pump->holds = false;
+    pump->held_count = 0;
+}
+
+void pump_forget(struct pump *pump) {
+    pump->update_first = pump->update_count = 0;
+    pump_release(pump);
 }
 
 void pump_command(struct pump *pump, uint32_t commands) {
@@ -65,7 +81,7 @@ static void read_frames(struct pump *pump) {
 static void read_updates(struct pump *pump) {
     struct controller_input *input = &pump->input;
     input->update_count = 0;
-    while (input->update_count < CONTROLLER_UPDATES_MAX && pump->update_count != 0U) {
+    while (input->update_count < CONTROLLER_UPDATES_MAX && pump->update_count != pump->held_count) {
         input->update[input->update_count++] = pump->update[pump->update_first];
         pump->update_first = (pump->update_first + 1U) % PUMP_UPDATES_MAX;
         pump->update_count--;

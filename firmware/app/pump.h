@@ -41,6 +41,8 @@ struct pump {
     struct pump_devices devices;
     struct controller *controller;
     uint32_t update_first, update_count;
+    uint32_t held_count; ///< the last ones in the ring that wait for pump_release
+    bool holds;
     struct target_update update[PUMP_UPDATES_MAX]; ///< waiting for a tick, a ring
     uint32_t commands;
     uint32_t pulse_ns[AXIS_COUNT];   ///< as last written; UINT32_MAX: never
@@ -56,6 +58,15 @@ bool pump_init(struct pump *pump, struct controller *controller,
 /// Queues a target update for the next tick; later ones wait for the ticks after it, in order.
 /// Returns false, and counts it, if the queue is full.
 bool pump_push(struct pump *pump, const struct target_update *update) MUST_CHECK;
+
+/// Holds back the updates that are pushed from now on until pump_release, so that those of one
+/// frame reach the controller in one tick: an aim that moves in pieces looks like a target that
+/// darts about. When the queue is full, no more is held back.
+void pump_hold(struct pump *pump);
+void pump_release(struct pump *pump);
+
+/// Drops the updates that wait.
+void pump_forget(struct pump *pump);
 
 /// Gives commands to the next tick. Several before one tick are or-ed.
 void pump_command(struct pump *pump, uint32_t commands);

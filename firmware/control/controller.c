@@ -88,6 +88,11 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     return valid;
 }
 
+void controller_take_settings(struct controller *c) {
+    c->targets.expiry_us = c->config->target_expiry_us;
+    c->zoom_version = c->framed_version - 1U; // worked out for the old margin
+}
+
 // ---------------------------------------------------------------- inputs
 
 static void advance_time(struct controller *c, uint32_t now_us) {

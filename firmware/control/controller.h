@@ -159,6 +159,10 @@ struct controller {
 /// FAULT_CONFIG.
 bool controller_init(struct controller *controller, const struct controller_config *config);
 
+/// Takes up settings that were changed in place since: the expiry of targets and the lens' margin.
+/// The tracker's are looked at in every tick; all others need controller_init.
+void controller_take_settings(struct controller *controller);
+
 /// One tick. Bounded work, no I/O. Inputs beyond the maxima are cut off by their counts (the pump
 /// keeps the rest). Shown: tests/unit/test_controller.c and every scenario.
 void controller_step(struct controller *controller, const struct controller_input *input,

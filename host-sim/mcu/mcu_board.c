@@ -73,6 +73,9 @@ static void end_line(struct mcu_board *board) {
 static void on_console_byte(void *context, uint8_t byte, bool framed) {
     struct mcu_board *board = context;
     board->garbled += !framed;
+    if (board->options.serial != NULL) {
+        serial_pty_write(board->options.serial, byte);
+    }
     if (byte == '\n') {
         end_line(board);
     } else if (byte != '\r') {
@@ -278,6 +281,9 @@ static void run(void *context, uint64_t until_ns) {
     struct mcu_board *board = context;
     struct soc *soc = &board->machine.soc;
     inject_due(board);
+    if (board->options.serial != NULL) {
+        serial_pty_pass(board->options.serial, &soc->usart[CONSOLE]);
+    }
     if (board->stormy) { // a line that stays high, with its interrupt switched on
         nvic_enable(&soc->nvic, NVIC_IRQ0 + STORM_IRQ, true);
         nvic_set_line(&soc->nvic, STORM_IRQ, true);

@@ -12,6 +12,7 @@
 #include "mcu/can_port.h"
 #include "mcu/machine.h"
 #include "mcu/probe.h"
+#include "mcu/serial_pty.h"
 #include "sim.h"
 
 #define MCU_BOARD_SERVOS     6U
@@ -48,9 +49,10 @@ struct mcu_board_options {
     const char *image;
     struct mcu_board_fault fault[MCU_BOARD_FAULTS_MAX];
     uint32_t fault_count;
-    FILE *log;     ///< complaints of the chip; NULL: nobody
-    FILE *console; ///< what the board says, a line at a time; NULL: nobody
-    bool exact;    ///< see cpu.h
+    FILE *log;                 ///< complaints of the chip; NULL: nobody
+    struct serial_pty *serial; ///< the other end of the serial line; NULL: nobody
+    FILE *console;             ///< what the board says, a line at a time; NULL: nobody
+    bool exact;                ///< see cpu.h
 };
 
 struct mcu_board {

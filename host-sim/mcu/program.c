@@ -13,11 +13,16 @@
 struct handle {
     struct mcu_board board;
     FILE *console;
+    struct serial_pty serial;
+    bool has_serial;
 };
 
 static void close_board(void *handle_of) {
     struct handle *handle = handle_of;
     mcu_board_free(&handle->board);
+    if (handle->has_serial) {
+        serial_pty_close(&handle->serial);
+    }
     if (handle->console != NULL && handle->console != stderr) {
         fclose(handle->console);
     }
@@ -43,6 +48,14 @@ static enum exit_status read_options(const struct emulator_options *options, str
             return EXIT_STATUS_USAGE;
         }
         board->console = handle->console;
+    }
+    if (options->serial != NULL) {
+        handle->has_serial = serial_pty_open(&handle->serial, options->serial);
+        if (!handle->has_serial) {
+            message_at(options->serial, 0, "%s", strerror(errno));
+            return EXIT_STATUS_USAGE;
+        }
+        board->serial = &handle->serial;
     }
     return EXIT_STATUS_OK;
 }

@@ -390,6 +390,47 @@ static void updates_wait_in_order(void) {
     CHECK_EQ(pump.input.update[0].id, 7);
 }
 
+static void push(uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        CHECK(pump_push(&pump, &(struct target_update){.kind = TARGET_GONE, .id = i}));
+    }
+}
+
+static void held_updates_go_together(void) {
+    start_rig();
+    push(3);
+    pump_hold(&pump);
+    push(40);
+    step();
+    CHECK_EQ(pump.input.update_count, 3);
+    push(10);
+    step();
+    CHECK_EQ(pump.input.update_count, 0);
+    pump_release(&pump);
+    push(1);
+    step();
+    CHECK_EQ(pump.input.update_count, 51);
+    pump_hold(&pump);
+    push(5);
+    pump_forget(&pump);
+    push(2);
+    step();
+    CHECK_EQ(pump.input.update_count, 2);
+    // A queue that is full of what is held back holds nothing back any more.
+    pump_hold(&pump);
+    push(PUMP_UPDATES_MAX);
+    step();
+    CHECK_EQ(pump.input.update_count, 0);
+    CHECK(!pump_push(&pump, &(struct target_update){.kind = TARGET_GONE}));
+    step();
+    CHECK_EQ(pump.input.update_count, 64);
+    push(1);
+    step();
+    CHECK_EQ(pump.input.update_count, 64);
+    step();
+    CHECK_EQ(pump.input.update_count, 1);
+}
+
 static void commands_are_given_once(void) {
     start_rig();
     pump_command(&pump, COMMAND_ARM);
@@ -441,6 +482,7 @@ int main(void) {
     TEST(pulses_are_written_when_they_change);
     TEST(pulses_that_fail_are_written_again);
     TEST(updates_wait_in_order);
+    TEST(held_updates_go_together);
     TEST(commands_are_given_once);
     TEST(the_recorded_input_replays);
     TEST(the_build_has_a_name);

@@ -1,0 +1,25 @@
+/// `boresight run` with `board = serial:DEVICE`: the rig's controller is a flashed board.
+#ifndef LINUX_RUN_BOARD_H
+#define LINUX_RUN_BOARD_H
+
+#include "command.h"
+#include "rig.h"
+#include "target_source.h"
+
+#include <signal.h>
+
+struct run_board_options {
+    struct target_source *source; ///< NULL: no targets
+    uint64_t limit_us;            ///< 0: until interrupted
+    bool arm, json;
+    const volatile sig_atomic_t *interrupted;
+};
+
+/// Drives until the time is over, a signal comes, or the board stops by itself; then prints what
+/// came of it. What goes wrong is one line on stderr. Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE:
+/// no such device, no answer, another protocol, build or
+///          rig; EXIT_STATUS_SAFETY_STOP: a fault, a stop line, somebody else's stop.
+enum exit_status run_board(const struct command *command, const struct rig *rig,
+                           const struct run_board_options *options);
+
+#endif

@@ -1,0 +1,127 @@
+#!/bin/sh
+# `boresight run` with a board on a serial line: a pseudo-terminal with the boards' own loop behind it. What comes of it, and every way
+# in which it can fail: one line with a remedy, exit status 4.
+. tests/cli/support/check.sh
+pty_board=build/gcc/tests/cli/support/pty_board
+rig=$dir/rig.ini
+tty=$dir/tty
+
+make_rig() { # LINES-OF-[controller]
+    {
+        sed 's/^settle_ms.*/settle_ms = 100/' host-sim/rigs/hobby.ini
+        printf '[controller]\n%s\n' "$1"
+    } >"$rig"
+}
+# board MODE: what is at the other end from now on.
+board() {
+    [ -z "${pid:-}" ] || { kill "$pid" && wait "$pid"; } 2>/dev/null
+    rm -f "$tty"
+    "$pty_board" "$rig" "$tty" "$1" &
+    pid=$!
+    tries=0
+    while [ ! -e "$tty" ] && [ $tries -lt 100 ]; do
+        sleep 0.05
+        tries=$((tries + 1))
+    done
+}
+trap 'kill "${pid:-}" 2>/dev/null; rm -rf "$dir"' EXIT
+value() { sed -n "s/.*\"$1\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$dir/out"; }
+told() { grep -qF -- "$1" "$dir/err"; }
+
+make_rig "board = serial:$tty"
+board board
+
+# ---------------------------------------------------------------- the main job
+run run "$rig" --arm --seconds 3 --json --targets host-sim/scenarios/two.jsonl
+[ "$status" -eq 0 ] && [ "$(value mode)" = stopped ] && [ "$(value targets)" -gt 0 ] &&
+    [ "$(value lines_taken)" -gt 0 ] && [ "$(value lines_damaged)" = 0 ] && [ "$(value lines_stale)" = 0 ] &&
+    [ "$(value clock_answers)" -gt 5 ] && told tracking
+verdict 'run follows targets with a board' $?
+
+awk 'BEGIN { for (frame = 0; frame < 40; frame++) for (id = 1; id <= 64; id++)
+    printf "{\"t_us\": %d, \"id\": %d, \"xyz\": [%.3f, 10, %.3f]}\n", frame * 50000, 1000 * id, id / 100 + frame / 50, id / 200 }' >"$dir/many.jsonl"
+run run "$rig" --arm --seconds 4.5 --json --targets "$dir/many.jsonl"
+[ "$status" -eq 0 ] && [ "$(value targets)" = 64 ] && [ "$(value updates_rejected)" = 0 ] && [ "$(value lines_damaged)" = 0 ] &&
+    [ "$(value frames_compact)" -ge 20 ] && [ "$(value frames_cut)" = 0 ] &&
+    awk -v pan="$(value pan_deg)" 'BEGIN { wanted = atan2(1.105, 10) * 57.29578; exit !(pan > wanted - 0.3 && pan < wanted + 0.3) }'
+verdict '64 targets, 20 times a second, and the gimbal looks at their middle' $?
+
+run run "$rig" --seconds 1 --json
+[ "$status" -eq 0 ] && [ "$(value targets)" = 0 ] && ! told tracking && ! told holding
+verdict 'without --arm nothing is armed' $?
+
+("$boresight" run "$rig" --arm --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
+sleep 2
+kill -INT "$(ps -o pid= --ppid $! | tr -d ' ')" 2>/dev/null
+wait $!
+status=$(cat "$dir/status")
+[ "$status" -eq 0 ] && grep -q '^mode *stopped' "$dir/out"
+verdict 'an interrupt stops, reports and ends with 0' $?
+
+("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl --json >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
+sleep 2
+kill -USR1 $pid
+wait $!
+status=$(cat "$dir/status")
+[ "$status" -eq 5 ] && told 'the board stopped: emergency stop'
+verdict 'the emergency stop ends it with 5 and says so' $?
+run run "$rig" --arm --seconds 5
+[ "$status" -eq 5 ] && told "the board refuses 'arm': emergency stop"
+verdict 'a board that must not arm says why, status 5' $?
+
+# ---------------------------------------------------------------- what can be wrong with the device
+fails() { # NAME TEXT
+    name=$1
+    run run "$rig" --arm --seconds 5
+    [ "$status" -eq 4 ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && told "$rig: board = serial:" && told "$2" && told '; ' && [ ! -s "$dir/out" ]
+    verdict "$name" $?
+}
+board silent
+fails 'a silent board' 'the board is silent; is it powered'
+board chatter
+fails 'something else speaks' 'does not answer as a Boresight board does; is board_baud right'
+board busy
+fails 'another program has the board' 'another program has the board; end that one'
+board '2 whatever comes'
+fails 'another version of the protocol' 'speaks version 2 of the protocol, not 1; flash it'
+board '1 00000000 0.0.1 another'
+fails 'another build' "the board runs build '0.0.1 another', this program is"
+id=$(sed -n 's/^const char build_id\[\] = "\(.*\)";/\1/p' build/build_id.c)
+board "1 00000000 $id"
+fails 'another rig' 'the board was built for another rig file'
+make_rig "board = serial:$tty
+board_build = any"
+board '1 00000000 0.0.1 another'
+fails 'board_build = any: then only the rig counts' 'the board was built for another rig file'
+make_rig "board = serial:$dir/nowhere"
+fails 'no such device' "nowhere: no such file or device; is it plugged in?"
+make_rig "board = serial:/dev/null"
+fails 'not a serial port' 'not a serial port'
+make_rig "board = serial:$tty
+board_baud = 123456"
+fails 'no usual speed' '123456 baud is no usual speed; use one of'
+
+# A board that leaves while it drives.
+make_rig "board = serial:$tty"
+board board
+("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
+sleep 2
+kill -STOP $pid
+wait $!
+kill -CONT $pid
+status=$(cat "$dir/status")
+[ "$status" -eq 4 ] && told 'the board has fallen silent; was it unplugged'
+verdict 'a board that falls silent ends it with 4' $?
+
+# ---------------------------------------------------------------- the rig file
+for value in /dev/ttyACM0 serial: tcp:host; do
+    make_rig "board = $value"
+    run run "$rig"
+    [ "$status" -eq 2 ] && told "rig.ini:" && told 'serial:/dev/ttyACM0'
+    verdict "board = $value is refused with its line" $?
+done
+make_rig "board = serial:$tty"
+run config check "$rig"
+[ "$status" -eq 0 ] && grep -qF "driven by the board at $tty" "$dir/out"
+verdict 'config check tells that a board drives it' $?
+finish

@@ -1,0 +1,113 @@
+#!/bin/sh
+# The serial line of the emulated STM32F405 image: a person at its console, and `boresight run`, which drives it in the closed loop: targets
+# down the line, frames on the CAN bus, simulated drives and plant. In real time.
+. tests/gate/verdict.sh
+elf=build/boards/stm32f405/boresight.elf
+dir=$(mktemp -d)
+tty=$dir/tty
+sim=
+trap 'kill $sim 2>/dev/null; rm -rf "$dir"' EXIT
+cp host-sim/rigs/studio.ini "$dir/rig.ini"
+printf '[scenario]\nname = Line\nabout = A board and whoever is at its line.\nrig = rig.ini\nseconds = 100\narm = no\n' >"$dir/idle.ini"
+cp "$dir/rig.ini" "$dir/board.ini"
+printf '\n[controller]\nboard = serial:%s\n' "$tty" >>"$dir/board.ini"
+
+start() { # SECONDS
+    build/boresight sim "$dir/idle.ini" --seconds "$1" --speed 1 --quiet --json --mcu $elf --mcu-serial "$tty" >"$dir/sim" 2>"$dir/sim.err" &
+    sim=$!
+    tries=0
+    while [ ! -e "$tty" ] && [ $tries -lt 100 ]; do
+        sleep 0.05
+        tries=$((tries + 1))
+    done
+}
+value() { sed -n "s/.*\"$1\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$2"; }
+show() { sed 's/^/    /' "$@" | cut -c 1-600; }
+# What the board says for SECONDS after a line is typed.
+type_line() { # LINE SECONDS
+    exec 3<>"$tty"
+    printf '%s\r' "$1" >&3
+    timeout "$2" cat <&3 | tr -d '\r' >"$dir/said"
+    exec 3>&-
+}
+
+# ---------------------------------------------------------------- a person
+start 9
+sleep 1
+type_line 'status' 1
+id=$(sed -n 's/^const char build_id\[\] = "\(.*\)";/\1/p' build/build_id.c)
+grep -q "^boresight $id$" "$dir/said" && grep -q '^mode: ready$' "$dir/said" && grep -q '^tick: busy .* can active' "$dir/said"
+result=$?
+[ $result -eq 0 ] || show "$dir/said"
+verdict 'the image answers a person: status, with its build' $result
+type_line 'arm' 0.5
+type_line 'aim 170 10' 3
+type_line 'status' 0.5
+grep -q '^pan:  at -10\.0*, goal -10\.0*, measured -\(10\.0\|9\.9\)' "$dir/said" && grep -q '^mode: tracking$' "$dir/said"
+result=$?
+[ $result -eq 0 ] || show "$dir/said"
+verdict 'arm and aim at the console move the drives on the bus' $result
+wait $sim
+result=$?
+show "$dir/sim.err"
+[ $result -eq 0 ] && [ "$(value violations "$dir/sim")" = 0 ]
+verdict 'without a violation, the chip used as its manual says' $?
+
+# ---------------------------------------------------------------- a program
+cat >"$dir/two.jsonl" <<'JSON'
+{"t_us": 0, "id": 77, "xyz": [1, -6, 1.5]}
+{"t_us": 0, "id": 99, "xyz": [3, -6, 0.5]}
+JSON
+start 9
+sleep 0.3
+build/boresight run "$dir/board.ini" --arm --seconds 5 --json --targets "$dir/two.jsonl" >"$dir/out" 2>"$dir/err"
+result=$?
+sed 's/^/# /' "$dir/out"
+[ $result -eq 0 ] && awk -v pan="$(value pan_deg "$dir/out")" -v tilt="$(value tilt_deg "$dir/out")" 'BEGIN {
+    a = sqrt(1 + 36 + 2.25); b = sqrt(9 + 36 + 0.25); deg = 57.29577951
+    x = 1 / a + 3 / b; y = -6 / a - 6 / b; z = 1.5 / a + 0.5 / b
+    p = atan2(x, y) * deg - 180; t = atan2(z, sqrt(x * x + y * y)) * deg     # the mount looks south
+    exit !(pan - p < 0.05 && p - pan < 0.05 && tilt - t < 0.05 && t - tilt < 0.05) }'
+result=$?
+[ $result -eq 0 ] || show "$dir/out" "$dir/err"
+verdict 'run drives the image: it looks between two targets' $result
+[ "$(value lines_damaged "$dir/out")" = 0 ] && [ "$(value lines_stale "$dir/out")" = 0 ] && [ "$(value clock_answers "$dir/out")" -gt 20 ] &&
+    [ "$(value board_build "$dir/out")" = "$id" ]
+verdict 'no line lost, clocks together, the same build' $?
+wait $sim
+result=$?
+show "$dir/sim.err"
+[ $result -eq 0 ] && [ "$(value violations "$dir/sim")" = 0 ] && [ "$(value mode "$dir/sim")" = stopped ]
+verdict 'the simulator saw it stop, without a violation' $?
+
+# 64 targets that walk, 20 times a second.
+awk 'BEGIN { for (frame = 0; frame < 80; frame++) for (id = 1; id <= 64; id++)
+    printf "{\"t_us\": %d, \"id\": %d, \"xyz\": [%.3f, -10, %.3f]}\n", frame * 50000, 1000 * id, id / 100 + frame / 100, id / 200 }' >"$dir/many.jsonl"
+start 10
+sleep 0.3
+build/boresight run "$dir/board.ini" --arm --seconds 6.5 --json --targets "$dir/many.jsonl" >"$dir/out" 2>"$dir/err"
+result=$?
+sed 's/^/# /' "$dir/out"
+[ $result -eq 0 ] && [ "$(value targets "$dir/out")" = 64 ] && [ "$(value updates_rejected "$dir/out")" = 0 ] &&
+    [ "$(value lines_damaged "$dir/out")" = 0 ] && [ "$(value frames_compact "$dir/out")" -ge 40 ]
+result=$?
+[ $result -eq 0 ] || show "$dir/out" "$dir/err"
+verdict '64 targets, 20 times a second, at 115200 baud' $result
+wait $sim
+result=$?
+sed 's/^/# /' "$dir/sim"
+show "$dir/sim.err"
+[ $result -eq 0 ] && [ "$(value violations "$dir/sim")" = 0 ]
+verdict "and without a violation; the busiest tick, 64 targets at once, $(value mcu_loop_percent "$dir/sim") % of 1 ms by instructions" $?
+
+# ---------------------------------------------------------------- refused
+sed 's/^limit_max_deg = 175/limit_max_deg = 170/' "$dir/board.ini" >"$dir/other.ini"
+start 3
+sleep 0.3
+build/boresight run "$dir/other.ini" --seconds 1 >"$dir/out" 2>"$dir/err"
+[ $? -eq 4 ] && grep -q 'the board was built for another rig file' "$dir/err" && [ "$(wc -l <"$dir/err")" -eq 1 ]
+result=$?
+[ $result -eq 0 ] || show "$dir/err"
+verdict 'an image for another rig is refused' $result
+wait $sim
+exit $status
