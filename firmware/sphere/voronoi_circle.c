@@ -101,6 +101,28 @@ static enum cone_status infeasible(const struct voronoi_mesh *mesh, const struct
     return cone_settle_witness(points, witness, size, result);
 }
 
+/// The corners of the hull, or all points; the workspace that is left begins at *used.
+static enum cone_status choose_sites(const struct vec3 *points, uint32_t count, bool hull,
+                                     void *workspace, size_t workspace_bytes, size_t *used,
+                                     struct hull_result *chosen,
+                                     struct voronoi_circle_result *result) {
+    *chosen = (struct hull_result){.vertices = NULL, .vertex_count = count};
+    *used = 0;
+    if (!hull) {
+        return CONE_OK;
+    }
+    *used = (HULL_WORKSPACE_BYTES(count) + 7U) & ~(size_t)7U;
+    result->bytes_needed = *used;
+    if (workspace_bytes < *used) {
+        return CONE_ERROR_WORKSPACE;
+    }
+    result->cone.point_reads += count;
+    if (hull_spherical(points, count, workspace, HULL_WORKSPACE_BYTES(count), chosen) != HULL_OK) {
+        return cone_settle_witness(points, chosen->witness, chosen->witness_count, &result->cone);
+    }
+    return CONE_OK;
+}
+
 enum cone_status voronoi_circle(const struct vec3 *points, uint32_t count,
                                 const struct voronoi_circle_options *options, void *workspace,
                                 size_t workspace_bytes, struct voronoi_circle_result *result) {
@@ -109,26 +131,27 @@ enum cone_status voronoi_circle(const struct vec3 *points, uint32_t count,
     if (start != CONE_OK) {
         return start;
     }
-    if (workspace_bytes < VORONOI_CIRCLE_WORKSPACE_BYTES(count)) {
+    size_t used;
+    struct hull_result chosen;
+    const enum cone_status status = choose_sites(points, count, options->hull, workspace,
+                                                 workspace_bytes, &used, &chosen, result);
+    if (status != CONE_OK) {
+        return status;
+    }
+    const uint32_t sites = chosen.vertex_count;
+    const size_t mesh_end = used + VORONOI_MESH_BYTES(sites);
+    result->bytes_needed =
+        mesh_end + (options->merge ? VORONOI_MERGE_BYTES(sites) : VORONOI_INSERT_BYTES(sites));
+    if (workspace_bytes < result->bytes_needed) {
         return CONE_ERROR_WORKSPACE;
     }
-    uint32_t *const scratch = (uint32_t *)(void *)((char *)workspace + VORONOI_MESH_BYTES(count));
-    struct hull_result hull = {.vertices = NULL, .vertex_count = count};
-    if (options->hull) {
-        result->cone.point_reads += count;
-        if (hull_spherical(points, count, (char *)scratch + VORONOI_MERGE_BYTES(count),
-                           HULL_WORKSPACE_BYTES(count), &hull) != HULL_OK) {
-            return cone_settle_witness(points, hull.witness, hull.witness_count, &result->cone);
-        }
-    }
+    uint32_t *const scratch = (uint32_t *)(void *)((char *)workspace + mesh_end);
     struct voronoi_mesh mesh;
-    voronoi_sites(&mesh, workspace, points, hull.vertices, hull.vertex_count, scratch);
-    if (!options->merge) {
+    voronoi_sites(&mesh, (char *)workspace + used, points, chosen.vertices, sites, scratch);
+    if (!options->merge || !voronoi_merge(&mesh, scratch)) {
         voronoi_insert(&mesh, scratch);
-    } else if (!voronoi_merge(&mesh, scratch)) {
-        return CONE_ERROR_WORKSPACE;
     }
-    result->cone.point_reads += hull.vertex_count;
+    result->cone.point_reads += sites;
     result->site_count = mesh.site_count;
     result->triangle_count = mesh.triangle_count;
     result->side_tests = mesh.side_tests;

@@ -9,9 +9,10 @@
 
 #include <stdbool.h>
 
-/// Bytes of workspace for count points, aligned to 8.
+/// Bytes of workspace, aligned to 8, that always suffice for count points: A's, by insertion or by
+/// merging. B needs HULL_WORKSPACE_BYTES(count) and so many for the corners of the hull.
 #define VORONOI_CIRCLE_WORKSPACE_BYTES(count)                                                      \
-    (VORONOI_MESH_BYTES(count) + VORONOI_MERGE_BYTES(count) + HULL_WORKSPACE_BYTES(count))
+    (VORONOI_MESH_BYTES(count) + VORONOI_MERGE_BYTES(count) + HULL_WORKSPACE_BYTES(count) + 7U)
 
 struct voronoi_circle_options {
     bool hull;  ///< first take the hull: B; else A, with all points
@@ -24,12 +25,12 @@ struct voronoi_circle_result {
     uint32_t triangle_count; ///< its vertices, those on one circle apart
     uint64_t side_tests;     ///< to build it
     bool by_pair;            ///< an edge decided: two points
+    size_t bytes_needed;     ///< of workspace; CONE_ERROR_WORKSPACE: as far as is known
 };
 
 /// The narrowest cone of count directions, components any int32.
 /// Returns:   CONE_OK, CONE_INFEASIBLE, CONE_EMPTY, CONE_ERROR_ZERO_VECTOR, or
-///            CONE_ERROR_WORKSPACE (less than VORONOI_CIRCLE_WORKSPACE_BYTES(count), or a merge
-///            failed for our own bug).
+///            CONE_ERROR_WORKSPACE: the workspace is smaller than result->bytes_needed.
 /// Cost:      the diagram, expected O(n log n) of all points or of the hull's; then a few tests
 ///            an edge.
 /// Accuracy:  the support is exact for the true directions; the axis as cone_settle_support.

@@ -34,7 +34,6 @@ struct merge {
     uint32_t *dead;  // edges that P cut off, to be taken out once it is closed
     uint32_t *spare; // edges that are free
     uint32_t dead_count, spare_count, edge_count, edges_max;
-    uint32_t apex; // the third site of the last vertex on P
     struct bank bank[2];
 };
 
@@ -156,9 +155,7 @@ static uint32_t next_of(struct merge *m, struct bank *bank, uint32_t other) {
     }
     pass_cut(m, bank, other);
     const uint32_t site = m->half[bank->edge].to;
-    // Not back to where it just came from, but if there are three sites in all.
-    const bool few = m->bank[0].to - m->bank[0].from + m->bank[1].to - m->bank[1].from == 3U;
-    return is_of(bank, site) && (few || site != m->apex) ? site : VORONOI_NONE;
+    return is_of(bank, site) ? site : VORONOI_NONE;
 }
 
 /// Appends an edge of P to the ring of the bank's site.
@@ -238,7 +235,6 @@ static uint32_t lay_edge(struct merge *m) {
 static bool lay_curve(struct merge *m) {
     struct bank *const x = &m->bank[0], *const y = &m->bank[1];
     find_start(m);
-    m->apex = VORONOI_NONE;
     if (!find_anchor(m, x, y->site) || !find_anchor(m, y, x->site)) {
         return false;
     }
@@ -256,7 +252,6 @@ static bool lay_curve(struct merge *m) {
             to_x == VORONOI_NONE ||
             (to_y != VORONOI_NONE && voronoi_side(m->mesh, x->site, y->site, to_x, to_y) > 0);
         struct bank *const bank = over_y ? y : x;
-        m->apex = bank->site;
         cross(m, bank);
         if (x->site == x->start_site && y->site == y->start_site) {
             break;

@@ -78,11 +78,20 @@ void methods_check_capacities(void) {
     struct shrink_result shrunk;
     CHECK_EQ(shrink_narrowest(corners, 4, workspace, SHRINK_WORKSPACE_BYTES(4) - 1U, &shrunk),
              CONE_ERROR_WORKSPACE);
-    struct voronoi_circle_result read;
-    const struct voronoi_circle_options options = {.hull = true};
-    CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, VORONOI_CIRCLE_WORKSPACE_BYTES(4) - 1U,
-                            &read),
-             CONE_ERROR_WORKSPACE);
+    for (unsigned way = 0; way < 4U; way++) {
+        const struct voronoi_circle_options options = {.hull = way % 2U != 0U,
+                                                       .merge = way / 2U != 0U};
+        struct voronoi_circle_result read;
+        CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, 8, &read), CONE_ERROR_WORKSPACE);
+        CHECK(read.bytes_needed > 8U);
+        CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, sizeof workspace, &read), CONE_OK);
+        const size_t needed = read.bytes_needed;
+        CHECK(needed <= VORONOI_CIRCLE_WORKSPACE_BYTES(4));
+        CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, needed - 1U, &read),
+                 CONE_ERROR_WORKSPACE);
+        CHECK_EQ(read.bytes_needed, needed);
+        CHECK_EQ(voronoi_circle(corners, 4, &options, workspace, needed, &read), CONE_OK);
+    }
     struct pyramid_result built;
     CHECK_EQ(pyramid_narrowest(corners, 4, workspace, PYRAMID_WORKSPACE_BYTES(3), &built),
              CONE_ERROR_WORKSPACE);
