@@ -29,8 +29,9 @@ struct search {
     bool swept;                      // the notes are of all points
     struct min_norm support;
     struct vec3 axis_q30;
-    uint32_t pivots; // supports so far
-    bool all_ahead;  // a pass has seen every point within 2^-7 rad of an axis of this search
+    uint32_t pivots;       // supports so far
+    uint32_t given_pivots; // of them, those of the warm start
+    bool all_ahead;        // a pass has seen every point within 2^-7 rad of an axis of this search
     uint64_t point_reads, read_limit;
     uint32_t surrounding; // the point that put zero into the hull of itself and the support
 };
@@ -100,8 +101,10 @@ static bool violates(struct search *search, uint32_t index) {
     return min_norm_violated_by(&search->support, &point);
 }
 
+/// Not before a pivot: a search that stops has come nearer, so repeated calls arrive.
 static bool is_over_limit(const struct search *search) {
-    return search->read_limit != 0U && search->point_reads >= search->read_limit;
+    return search->read_limit != 0U && search->point_reads >= search->read_limit &&
+           search->pivots > search->given_pivots;
 }
 
 /// Takes a violating point in. False: it puts zero into the hull.
@@ -398,6 +401,7 @@ static bool start(struct search *search, const struct cone_options *options) {
             }
         }
     }
+    search->given_pivots = search->pivots;
     return true;
 }
 

@@ -57,8 +57,10 @@ struct cone_options {
     /// none: from scratch.
     const uint32_t *warm;
     uint8_t warm_count; ///< at most 3
-    /// Stop with CONE_UNFINISHED after about so many reads of a point; 0: never. An exact test
-    /// counts as 16.
+    /// Stop with CONE_UNFINISHED after so many reads of a point; 0: never. An exact test counts as
+    /// 16. Each call either finishes or improves the support, so repeated calls arrive on any
+    /// input; for that, one may overshoot by up to 60 reads a point, on sets all of whose points
+    /// lie on one circle (tests/property/cone_resume.c, which also searches for the worst sets).
     uint64_t read_limit;
 };
 
