@@ -1,6 +1,7 @@
 /// `boresight solid`: convex hull and smallest sphere of points in space.
 #include "command.h"
 #include "facts.h"
+#include "places.h"
 #include "point_options.h"
 
 #include "solid/solid_sphere.h"
@@ -125,28 +126,10 @@ static void print_center(struct facts *facts, const char text[3][40]) {
     }
 }
 
-/// Small integers get as many binary places as fit, so that the centre's 2^-30 of a unit is fine.
-static void spread(struct points *points) {
-    uint64_t all = 0;
-    for (uint32_t i = 0; i < points->count; i++) {
-        const struct vec3 p = points->directions[i];
-        all |= u64_abs(p.x) | u64_abs(p.y) | u64_abs(p.z);
-    }
-    const unsigned zeros = u64_leading_zeros(all);
-    if (all == 0U || zeros <= 33U) {
-        return;
-    }
-    const int32_t factor = (int32_t)1 << (zeros - 33U);
-    for (uint32_t i = 0; i < points->count; i++) {
-        struct vec3 *const p = &points->directions[i];
-        *p = vec3(p->x * factor, p->y * factor, p->z * factor);
-    }
-    points->unit /= factor;
-}
-
 static bool print_sphere(const struct settings *settings, struct points *points, int method,
                          void *workspace, size_t bytes) {
-    spread(points);
+    // Small integers get binary places, so that the centre's 2^-30 of a unit is fine.
+    places_spread(points, INT32_MAX);
     struct solid_sphere sphere;
     const enum solid_sphere_status status =
         method == 0

@@ -22,6 +22,6 @@ extern const struct command *const commands[];
 extern const size_t command_count;
 
 extern const struct command command_aim, command_config, command_hull, command_run, command_sim,
-    command_solid, command_voronoi;
+    command_scene, command_solid, command_voronoi;
 
 #endif

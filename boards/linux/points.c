@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct column {
-    const char *text;
-    size_t size;
-};
-
 /// One more than any format has, so that a line with too many is noticed.
 enum { COLUMNS_MOST = 5 };
 
@@ -26,7 +21,7 @@ static bool is_blank(char c) {
 
 /// Splits a line without its comment. Returns the number of columns, which may exceed what
 /// columns[] holds; -1: an empty column (a comma with no value on one side).
-static int split(const char *at, const char *end, struct column columns[COLUMNS_MOST]) {
+static int split(const char *at, const char *end, struct points_word columns[COLUMNS_MOST]) {
     int count = 0;
     bool after_comma = false;
     for (;;) {
@@ -49,14 +44,14 @@ static int split(const char *at, const char *end, struct column columns[COLUMNS_
             at++;
         }
         if (count < COLUMNS_MOST) {
-            columns[count] = (struct column){start, (size_t)(at - start)};
+            columns[count] = (struct points_word){start, (size_t)(at - start)};
         }
         count++;
         after_comma = false;
     }
 }
 
-static bool read_decimal(struct place place, struct column column, struct decimal *out) {
+static bool read_decimal(struct place place, struct points_word column, struct decimal *out) {
     switch (decimal_read(column.text, column.size, out)) {
     case DECIMAL_OK:
         return true;
@@ -71,7 +66,7 @@ static bool read_decimal(struct place place, struct column column, struct decima
     }
 }
 
-static bool read_xyz(struct place place, const struct column *columns,
+static bool read_xyz(struct place place, const struct points_word *columns,
                      const struct points_format *format, struct direction *out) {
     struct decimal point[3];
     for (int i = 0; i < 3; i++) {
@@ -86,7 +81,7 @@ static bool read_xyz(struct place place, const struct column *columns,
     return true;
 }
 
-static bool read_int32(struct place place, struct column column, int32_t *out) {
+static bool read_int32(struct place place, struct points_word column, int32_t *out) {
     size_t at = 0;
     const bool negative = column.text[0] == '-';
     if (negative || column.text[0] == '+') {
@@ -115,7 +110,7 @@ static bool read_int32(struct place place, struct column column, int32_t *out) {
     return true;
 }
 
-static bool read_q30(struct place place, const struct column *columns, bool may_be_zero,
+static bool read_q30(struct place place, const struct points_word *columns, bool may_be_zero,
                      struct direction *out) {
     struct vec3 *const v = &out->coarse;
     if (!read_int32(place, columns[0], &v->x) || !read_int32(place, columns[1], &v->y) ||
@@ -131,7 +126,8 @@ static bool read_q30(struct place place, const struct column *columns, bool may_
     return true;
 }
 
-static bool read_radec(struct place place, const struct column *columns, struct direction *out) {
+static bool read_radec(struct place place, const struct points_word *columns,
+                       struct direction *out) {
     static const struct decimal limit = {.digit_count = 1, .exponent = 1, .head = 9, .first = "9"};
     struct decimal value[2];
     if (!read_decimal(place, columns[0], &value[0]) ||
@@ -180,7 +176,7 @@ static bool grow(struct points *points, bool named) {
 }
 
 /// Appends a word and a NUL to a buffer. False: no memory.
-static bool add_word(char **text, size_t *used, size_t *room, struct column word) {
+static bool add_word(char **text, size_t *used, size_t *room, struct points_word word) {
     if (*room - *used <= word.size) {
         const size_t wanted = *room * 2U + word.size + 1U;
         char *const grown = realloc(*text, wanted);
@@ -197,13 +193,13 @@ static bool add_word(char **text, size_t *used, size_t *room, struct column word
 }
 
 /// Keeps the name of the point that is being added. False: no memory.
-static bool add_name(struct points *points, struct column name) {
+static bool add_name(struct points *points, struct points_word name) {
     points->names[points->count] = points->name_used;
     return add_word(&points->name_text, &points->name_used, &points->name_room, name);
 }
 
 /// Keeps coordinates as written until all are known.
-static bool add_place(struct points *points, const struct column *columns) {
+static bool add_place(struct points *points, const struct points_word *columns) {
     for (int i = 0; i < 3; i++) {
         if (!add_word(&points->place_text, &points->place_used, &points->place_room, columns[i])) {
             return false;
@@ -213,13 +209,13 @@ static bool add_place(struct points *points, const struct column *columns) {
 }
 
 /// A coordinate each that decimal_read takes.
-static bool are_decimals(struct place place, const struct column *columns) {
+static bool are_decimals(struct place place, const struct points_word *columns) {
     struct decimal ignored;
     return read_decimal(place, columns[0], &ignored) && read_decimal(place, columns[1], &ignored) &&
            read_decimal(place, columns[2], &ignored);
 }
 
-static bool read_columns(struct place place, const struct column *columns,
+static bool read_columns(struct place place, const struct points_word *columns,
                          const struct points_format *format, struct direction *out) {
     switch (format->input) {
     case POINTS_Q30:
@@ -244,7 +240,7 @@ static const char *wanted_columns(const struct points_format *format) {
 static enum exit_status read_line(struct place place, const char *text, size_t size,
                                   const struct points_format *format, struct points *out) {
     const char *const comment = memchr(text, '#', size);
-    struct column columns[COLUMNS_MOST];
+    struct points_word columns[COLUMNS_MOST];
     const int count = split(text, comment != NULL ? comment : text + size, columns);
     if (count == 0) {
         return EXIT_STATUS_OK;
@@ -297,12 +293,20 @@ static enum exit_status read_all(struct lines *lines, const struct points_format
         }
     }
     if (format->places) {
-        places_finish(out, format->input == POINTS_XYZ);
+        places_finish(out, format->input == POINTS_XYZ, INT32_MAX);
     } else if (!out->fine_exact) {
         out->fine_error_rad = format->input == POINTS_RADEC ? direction_degrees_error_rad
                                                             : direction_decimals_error_rad;
     }
     return EXIT_STATUS_OK;
+}
+
+bool points_add_place(struct points *points, const struct points_word word[3]) {
+    if (!grow(points, false) || !add_place(points, word)) {
+        return false;
+    }
+    points->count++;
+    return true;
 }
 
 enum exit_status points_read_stream(FILE *stream, const char *name,
@@ -338,7 +342,7 @@ void points_free(struct points *points) {
 }
 
 const char *points_read_triple(const char *text, struct triple *out) {
-    struct column columns[COLUMNS_MOST];
+    struct points_word columns[COLUMNS_MOST];
     const char *const end = text + strlen(text);
     if (split(text, end, columns) != 3) {
         return "needs three decimals, X,Y,Z";

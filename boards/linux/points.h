@@ -55,6 +55,15 @@ const char *points_name(const struct points *points, uint32_t index);
 
 void points_free(struct points *points);
 
+/// A part of a line.
+struct points_word {
+    const char *text;
+    size_t size;
+};
+
+/// Adds a point as three coordinates that decimal_read takes, for places_finish. False: no memory.
+bool points_add_place(struct points *points, const struct points_word word[3]);
+
 /// X,Y,Z on the command line.
 struct triple {
     struct decimal component[3];

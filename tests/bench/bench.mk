@@ -15,3 +15,7 @@ bench-cone: ## Measure the narrowest cone and the hull beside a bare pass and ot
 	@.ci/need bench
 	@$(MAKE) --no-print-directory $(B)/bench-cone
 	@sh tests/bench/cone.sh $(B)/bench-cone $(B)/bench
+
+.PHONY: bench-scene
+bench-scene: $(B)/gcc/tests/property/scene_aim ## Measure how many of a million points aiming at a scene reads
+	LARGE=1000000 $<

@@ -32,20 +32,27 @@ END
 cmp -s "$dir/out" "$dir/wanted"
 verdict 'hull as text' $?
 
-printf 'a 0 0 5\nb 2 2 5\nc 2 0 5\nd 1 1 5\n' | run solid hull --named
+printf 'a 0 0 5\nb 2 2 5\nc 2 0 5\nd 1 1 5\n' >"$dir/input"
+run solid hull --named <"$dir/input"
 grep -qx 'vertices          0 (a) 2 (c) 1 (b)' "$dir/out" && grep -qx 'faces             none' "$dir/out"
 verdict 'a flat set: its polygon in order, with names' $?
-printf '0 0 0\n1 1 1\n-1 -1 -1\n1 1 1\n' | run solid hull --json
+printf '0 0 0\n1 1 1\n-1 -1 -1\n1 1 1\n' >"$dir/input"
+run solid hull --json <"$dir/input"
 has 'a line: its ends' 0 'dimension=1' 'vertices[0]=1' 'vertices[1]=2' 'faces=[]'
-printf '4 4 4\n4 4 4\n' | run solid hull --json
+printf '4 4 4\n4 4 4\n' >"$dir/input"
+run solid hull --json <"$dir/input"
 has 'equal points: the first' 0 'dimension=0' 'vertices[0]=0' 'faces=[]'
-printf '4 4 4\n4 4 4\n' | run solid sphere --json
+printf '4 4 4\n4 4 4\n' >"$dir/input"
+run solid sphere --json <"$dir/input"
 has 'the sphere of equal points' 0 'center[0]=4' 'radius=0' 'support[0]=0'
-printf '0 0 0\n1e-20 0 0\n0 1 0\n' | run solid hull --json
+printf '0 0 0\n1e-20 0 0\n0 1 0\n' >"$dir/input"
+run solid hull --json <"$dir/input"
 has 'more digits than fit: rounded, and said so' 0 'exact=false' 'dimension=1'
-printf -- '-2147483648 0 0\n2147483647 0 0\n0 0 0\n' | run solid sphere --input q30 --json
+printf -- '-2147483648 0 0\n2147483647 0 0\n0 0 0\n' >"$dir/input"
+run solid sphere --input q30 --json <"$dir/input"
 has 'int32 at its ends' 0 'exact=true' 'center[0]=-0.5' 'radius=2147483647.5000002' 'support[0]=0' 'support[1]=1'
-printf '0 0 0\n1e-30 0 0\n0 1e-30 0\n0 0 1e-30\n' | run solid hull --json
+printf '0 0 0\n1e-30 0 0\n0 1e-30 0\n0 0 1e-30\n' >"$dir/input"
+run solid hull --json <"$dir/input"
 has 'tiny units are exact' 0 'exact=true' 'dimension=3'
 
 # The sphere as printed holds every point as written.
@@ -65,9 +72,11 @@ run solid hull --method pivot "$dir/solid.txt"
 ends "the other one's method" 2 "boresight solid: --method 'pivot': must be one of caps, levine, wrap"
 run solid sphere </dev/null
 ends 'no points' 2 'stdin: no points'
-printf '1 2 3\n1 2\n' | run solid hull
+printf '1 2 3\n1 2\n' >"$dir/input"
+run solid hull <"$dir/input"
 ends 'a short line' 2 'stdin:2: 2 columns, not 3 (x y z)'
-printf '1 2 3\n1 nan 3\n' | run solid hull
+printf '1 2 3\n1 nan 3\n' >"$dir/input"
+run solid hull <"$dir/input"
 ends 'not a number' 2 "stdin:2: 'nan' is not a decimal number"
 run solid hull --input radec "$dir/solid.txt"
 [ "$status" -eq 2 ] && [ "$(wc -l <"$dir/err")" -eq 1 ]

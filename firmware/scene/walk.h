@@ -1,0 +1,40 @@
+/// What of a scene a camera sees, and in which detail: a walk through the tree, one description
+/// after the other.
+#ifndef SCENE_WALK_H
+#define SCENE_WALK_H
+
+#include "scene/view.h"
+
+struct walk_level {
+    uint32_t next, end; ///< nodes
+    bool inside;        ///< their parent is in the pyramid: they need no test
+};
+
+struct walk {
+    const struct tree *tree;
+    const struct view *view;
+    uint32_t depth; ///< levels in use
+    struct walk_level level[TREE_LEVELS_MAX];
+    uint32_t nodes_opened; ///< nodes looked at
+    uint32_t sphere_tests; ///< of these, tested against the pyramid
+};
+
+/// Something to draw: points, or a centre.
+struct walk_item {
+    const struct tree_node *node;
+    const struct tree_description *description; ///< TREE_POINTS or TREE_CENTER
+    bool crossing;                              ///< the border of the picture may cut it
+    uint32_t radius_px_q8; ///< of the node's sphere; for TREE_CENTER it bounds the error
+};
+
+/// tree and view must outlive the walk.
+void walk_start(struct walk *walk, const struct tree *tree, const struct view *view);
+
+/// The next item that may be seen. False: there are no more.
+/// Cost: a test and a projection for each node whose parent crosses the border; below a node that
+///       is inside only the projection.
+/// Accuracy: no point in the pyramid is left out, and of each object exactly one description is
+///       given (tests/property/scene_walk.c).
+bool walk_next(struct walk *walk, struct walk_item *item);
+
+#endif
