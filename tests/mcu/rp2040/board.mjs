@@ -11,6 +11,7 @@ const BOOT2_COPY = 0x20041f00; // where the ROM puts the second stage (RP2040 da
 const WATCHDOG = 0x40058;
 const XOSC = 0x40024;
 const PLL_SYS = 0x40028;
+const BYTE_NS = 1e10 / 115200;
 
 function crc32(bytes) {
     let crc = 0xffffffff;
@@ -47,7 +48,9 @@ export class Board {
         this.text = '';
         this.edges = []; // {ns, pin, high}
         this.resetAt = null;
-        this.startNs = 0;
+        this.typed = []; // bytes on their way to the console
+        this.nextByteNs = 0;
+        this.program = null;
         mcu.uart[0].onByte = (byte) => (this.text += String.fromCharCode(byte));
         for (const pin of [2, 3, 4, 5, 6, 7, 14]) {
             mcu.gpio[pin].addListener((state) => this.edges.push({ ns: mcu.clock.nanos, pin, high: state === GPIOPinState.High }));
@@ -86,12 +89,23 @@ export class Board {
         return this.mcu.clock.nanos;
     }
 
+    // What a terminal or a program sends to the console, at the speed of the line.
+    type(text) {
+        this.typed.push(...Buffer.from(text));
+    }
+
     // Runs until a time, or until the watchdog resets the chip.
     run(untilNs) {
         const { clock, core } = this.mcu;
         while (clock.nanos < untilNs && this.resetAt === null) {
+            this.program?.stayAwake(clock.nanos);
+            if (this.typed.length > 0 && clock.nanos >= this.nextByteNs) {
+                this.mcu.uart[0].feedByte(this.typed.shift());
+                this.nextByteNs = clock.nanos + BYTE_NS;
+            }
             if (core.waiting) {
-                clock.tick(Math.max(clock.nanosToNextAlarm, 1));
+                const byteNs = this.typed.length > 0 ? this.nextByteNs - clock.nanos : Infinity;
+                clock.tick(Math.max(Math.min(clock.nanosToNextAlarm, byteNs), 1));
                 if (core.interruptsUpdated && core.checkForInterrupts()) core.waiting = false;
             } else {
                 clock.tick((core.executeInstruction() * 1e9) / this.mcu.clkSys);
@@ -99,8 +113,12 @@ export class Board {
         }
     }
 
+    // Those for a person, and those for a program.
     get lines() {
-        return this.text.split(/\r?\n/).filter((line) => line !== '');
+        return this.text.split(/\r?\n/).filter((line) => line !== '' && !line.includes('$'));
+    }
+    get answers() {
+        return this.text.match(/\$[0-9a-f]{4}[A-Z].*\*[0-9a-f]{4}/g) ?? [];
     }
 
     // Complete pulses of a pin that began at or after a time: {ns, us}.
@@ -116,6 +134,43 @@ export class Board {
             }
         }
         return found;
+    }
+}
+
+// A program on the board's serial line (docs/link.md).
+export class Program {
+    constructor(board) {
+        this.board = board;
+        board.program = this;
+        this.sequence = { c: 0, t: 0 };
+        this.spokeNs = 0;
+        this.say('h', '');
+    }
+
+    // The board stops when nobody speaks for half a second.
+    stayAwake(ns) {
+        if (ns - this.spokeNs > 2e8) this.say('p', '');
+    }
+
+    say(type, body) {
+        const counter = type === 't' ? 't' : 'c';
+        this.sequence[counter] = (this.sequence[counter] + 1) % 256;
+        const text = `3f${this.sequence[counter].toString(16).padStart(2, '0')}${type}${body}`;
+        let crc = 0xffff;
+        for (const byte of Buffer.from(text)) {
+            crc ^= byte << 8;
+            for (let bit = 0; bit < 8; bit++) crc = ((crc << 1) ^ (crc & 0x8000 ? 0x1021 : 0)) & 0xffff;
+        }
+        this.spokeNs = this.board.ns;
+        this.board.type(`$${text}*${crc.toString(16).padStart(4, '0')}\n`);
+    }
+
+    command(text) {
+        this.say('c', text);
+    }
+
+    aimAt(id, direction) {
+        this.say('t', `----.${id} dir ${direction.map((part) => part.toFixed(6)).join(' ')}`);
     }
 }
 

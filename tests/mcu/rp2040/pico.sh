@@ -19,14 +19,8 @@ fi
 
 dir=$(mktemp -d)
 trap 'rm -r "$dir"' EXIT
-arm-none-eabi-gcc -std=c11 -mcpu=cortex-m0plus -mthumb -ffreestanding -fno-common -Ifirmware -Ihal/include \
-    -c tests/mcu/rp2040/layout.c -o "$dir/layout.o" || exit 1
-{
-    arm-none-eabi-nm -S "$dir/layout.o" | awk '{ print $4, "0x" $2 }' | while read -r name size; do echo "$name $((size - 1))"; done
-    arm-none-eabi-nm "$board/boresight.elf" | awk '$3 == "loop" { print $3, "0x" $1 }'
-} >"$dir/layout"
 id=$(sed -n 's/^const char build_id\[\] = "\(.*\)";/\1/p' build/build_id.c)
-node tests/mcu/rp2040/run.mjs "$board/boresight.uf2" "$dir/layout" "$id" "$dir/trace" || status=1
+node tests/mcu/rp2040/run.mjs "$board/boresight.uf2" "$id" "$dir/trace" || status=1
 build/gcc/tests/mcu/rp2040/plant "$dir/trace" || status=1
 
 # What must not pass: a pulse that the servos would not see, and an image that the ROM would not start.
