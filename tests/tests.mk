@@ -12,7 +12,8 @@ include tests/mcu/mps2/mps2.mk
 include tests/mcu/tick/tick.mk
 test_runs += script/tests/mcu/rp2040/pico
 include tests/mcu/hal/hal.mk
-logs := $(test_runs:%=$(B)/check/%.log)
+include tests/vm/vm.mk
+logs := $(test_runs:%=$(B)/check/%.log) $(B)/check/vm.log
 
 .PHONY: need-check
 need-check:
@@ -49,7 +50,7 @@ $(B)/check/$(1)/%.log: $(B)/$(1)/% FORCE
 endef
 $(foreach v,$(variants),$(eval $(call variant_test,$(v))))
 
-check: need-check ## Run every test that needs no hardware; ends with `N passed, N failed`
+check: need-check need-vm ## Run every test that needs no hardware; ends with `N passed, N failed`
 	@$(MAKE) --no-print-directory check-all
 
 .PHONY: check-all
