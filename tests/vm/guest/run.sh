@@ -43,11 +43,11 @@ drive --seconds 1
 [ $? -eq 4 ] && grep -q 'vcan0: no such interface; ' "$work/run.err"
 verdict run.no_interface_is_status_4 $? "$work/run.err"
 bus_up
-timeout 60 candump -L vcan0 >"$work/candump" &
+timeout 600 candump -L vcan0 >"$work/candump" &
 witness=$!
-timeout 60 python3 tests/vm/guest/witness.py vcan0 >"$work/python" 2>&1 &
+timeout 600 python3 tests/vm/guest/witness.py vcan0 >"$work/python" 2>&1 &
 python=$!
-until_true 30 grep -q listening "$work/python"
+until_true 200 grep -q listening "$work/python"
 serve
 drive --arm --targets "$work/targets.jsonl" --seconds 5
 status=$?
