@@ -41,16 +41,26 @@ void event_loop_forget(struct event_loop *loop, int fd) {
     }
 }
 
-static bool open_signals(struct event_loop *loop) {
+static sigset_t our_signals(void) {
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGUSR1);
+    return set;
+}
+
+void event_loop_block_signals(void) {
+    const sigset_t set = our_signals();
+    (void)sigprocmask(SIG_BLOCK, &set, NULL);
+}
+
+static bool open_signals(struct event_loop *loop) {
+    const sigset_t set = our_signals();
+    event_loop_block_signals();
     loop->signals = signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
-    return loop->signals >= 0 && sigprocmask(SIG_BLOCK, &set, NULL) == 0 &&
-           add(loop, loop->signals);
+    return loop->signals >= 0 && add(loop, loop->signals);
 }
 
 static bool open_timer(struct event_loop *loop) {

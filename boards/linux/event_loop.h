@@ -41,6 +41,10 @@ struct event_loop {
     unsigned watch_count;
 };
 
+/// Keeps the signals above for the loop that is opened later. Before anything starts a thread
+/// (libusb does): a thread that does not block them would be killed by them, and all with it.
+void event_loop_block_signals(void);
+
 /// From now on the signals above no longer end the program but are told by event_loop_tick. The
 /// first tick is due one tick from now. False: errno tells why; close it all the same.
 bool event_loop_open(struct event_loop *loop, uint32_t tick_us);

@@ -336,6 +336,7 @@ enum exit_status runner_run(struct runner *runner, const struct runner_settings 
     runner->settings = *settings;
     runner->loop = (struct event_loop){.epoll = -1, .timer = -1, .signals = -1};
     runner->log.fd = -1;
+    event_loop_block_signals();
     enum exit_status status = start(runner);
     if (status != EXIT_STATUS_OK) {
         return status;
