@@ -22,16 +22,19 @@ endif
 
 # ---------------------------------------------------------------- sources
 firmware_c := $(wildcard firmware/*/*.c)
-hal_c := $(wildcard hal/*.c hal/linux/*.c)
+include boards/linux/features.mk
+hal_c := $(filter-out $(not_built),$(wildcard hal/*.c hal/linux/*.c))
 sim_c := $(filter-out host-sim/mcu/%,$(wildcard host-sim/*.c host-sim/*/*.c))
 program_c := $(wildcard boards/linux/*.c)
-test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c)
+test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c tests/vm/support/*.c)
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
+# Programs for the virtual machine.
+vm_test_c := $(wildcard tests/vm/*.c)
 test_scripts := $(filter-out tests/gate/verdict.sh,$(wildcard tests/cli/*.sh tests/gate/*.sh))
 mcu_test_c := $(wildcard tests/mcu/*.c tests/mcu/*/*.c tests/mcu/*/*/*.c)
-all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c)
+all_c := $(firmware_c) $(hal_c) $(sim_c) $(program_c) $(test_support_c) $(unit_c) $(host_test_c) $(mcu_test_c) $(vm_test_c)
 
 # ---------------------------------------------------------------- flags
 warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
@@ -39,7 +42,7 @@ warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmi
 common := -std=c11 -g $(warnings) -ffp-contract=off -fno-common
 # firmware/ is freestanding and has no floating point: with this flag a float does not compile.
 firmware_flags := -ffreestanding -mgeneral-regs-only -Ifirmware -Ihal/include
-host_flags := -D_GNU_SOURCE -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
+host_flags := -D_GNU_SOURCE -include $(B)/features.h -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
 arm_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -fdata-sections -fstack-usage \
     -mthumb -mfloat-abi=soft -Ifirmware -Ihal/include
 
@@ -94,10 +97,10 @@ $(B)/$(1)/lib%.a:
 $(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
 $(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -ljansson -lm
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -ljansson $(feature_libs) -lm
 $(B)/$(1)/tests/%: $(B)/$(1)/tests/%.o $(B)/$(1)/libtest.a $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -ljansson -lmpfr -lgmp -lm
+	$$($(1)_cc) $$($(1)_ld) -o $$@ $$^ -Wl,--as-needed -ljansson $(feature_libs) -lmpfr -lgmp -lm
 -include $(all_c:%.c=$(B)/$(1)/%.d)
 endef
 $(foreach v,$(variants),$(eval $(call variant_rules,$(v))))
@@ -150,7 +153,7 @@ $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
 help: ## List the targets
-	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk tests/bench/bench.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
+	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk tests/vm/vm.mk tests/bench/bench.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
 
 install: $(B)/boresight ## Install the program (PREFIX, DESTDIR)
 	install -D -m 755 $(B)/boresight $(DESTDIR)$(PREFIX)/bin/boresight

@@ -210,7 +210,7 @@ static void drive_servos(struct sim *sim) {
     }
 }
 
-static void run_plant(struct sim *sim, uint64_t until_ns) {
+void sim_run_plant(struct sim *sim, uint64_t until_ns) {
     can_bus_run_until(&sim->bus, until_ns);
     for (unsigned axis = 0; axis < 2U; axis++) {
         if (sim->axis[axis].kind == DRIVE_RMD) {
@@ -266,7 +266,7 @@ void sim_step(struct sim *sim) {
         look_at_step(sim);
     }
     drive_servos(sim);
-    run_plant(sim, (sim->time_us + tick_us) * 1000U);
+    sim_run_plant(sim, (sim->time_us + tick_us) * 1000U);
     if (sim->time_us % 10000U == 0U) {
         sim_measure_step(sim);
     }

@@ -134,6 +134,13 @@ struct sim_view {
     struct vec3 right_q30, ahead_q30, up_q30; ///< of the camera, world axes
 };
 
+/// The bridge of sim_serve_step.
+struct sim_served {
+    bool on;
+    uint64_t frames_in, frames_out;
+    uint64_t frames_lost; ///< one of the two buses took no more
+};
+
 #define SIM_PWM_CHANNELS 64U
 
 struct sim {
@@ -151,6 +158,7 @@ struct sim {
     struct sim_axis axis[2];
     struct zoom_lens lens;
     uint32_t pulse_ns[SIM_PWM_CHANNELS]; ///< as the PWM channels give them
+    struct sim_served served;
     size_t next_item, next_command;
     bool item_waiting;
     uint64_t random;
@@ -170,6 +178,11 @@ void sim_destroy(struct sim *sim);
 
 /// One tick.
 void sim_step(struct sim *sim);
+
+/// For a controller elsewhere, in place of sim_step: one tick of the drives and the plant, whose
+/// bus is bridged to another. The controller in here rests; position and speed of the plant are
+/// checked. Not for PWM axes, which no bus reaches.
+void sim_serve_step(struct sim *sim, const struct hal_can *outside);
 
 /// Besides the schedule: an update for the next tick, from outside. False: the pump's queue is
 /// full, try after a tick.

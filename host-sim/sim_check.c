@@ -125,7 +125,7 @@ static void check_setpoint(struct sim *sim, unsigned axis) {
 static void check_plant(struct sim *sim, unsigned axis) {
     const struct limiter_config *limits = &sim->config.controller->axis[axis].limits;
     const struct sim_axis *built = &sim->axis[axis];
-    if (built->kind != DRIVE_RMD || !sim->controller.powered[axis]) {
+    if (built->kind != DRIVE_RMD || !(sim->controller.powered[axis] || sim->served.on)) {
         return; // a hobby servo's speed is its own, and an unpowered axis was not moved by us
     }
     const double ticks_per_s = 1e6 / sim->config.controller->tick_us;
@@ -145,6 +145,11 @@ static void check_plant(struct sim *sim, unsigned axis) {
     if (speed > most || speed < -most) {
         violate(sim, SIM_I2_RATES, "axis %u turns at %.2f degrees/s", axis, speed);
     }
+}
+
+void sim_check_served(struct sim *sim) {
+    check_plant(sim, AXIS_PAN);
+    check_plant(sim, AXIS_TILT);
 }
 
 /// Pulses to a servo, like motion commands to a drive, only while the axis is powered.
@@ -168,7 +173,7 @@ void sim_check_frame(struct sim *sim, const struct can_transfer *transfer) {
     const uint8_t command = transfer->frame.data[0];
     const bool motion =
         command == 0xA1 || command == 0xA2 || command == 0xA4 || command == 0xA6 || command == 0xA8;
-    if (transfer->sender == sim->own_node && motion && !may_move(sim)) {
+    if (transfer->sender == sim->own_node && motion && !may_move(sim) && !sim->served.on) {
         violate(sim, SIM_I4_UNARMED_MOTION, "frame %03X %02X in mode %s", transfer->frame.id,
                 command, controller_mode_name(sim->controller.mode));
     }

@@ -4,6 +4,9 @@
 
 #include "sim.h"
 
+/// Bus, drives and plant, to a time.
+void sim_run_plant(struct sim *sim, uint64_t until_ns);
+
 /// The HAL of the simulator: virtual clock and pulse channels (the bus has devices/bus_node_hal.h).
 bool sim_hal_bind(struct sim *sim);
 
@@ -12,6 +15,8 @@ void sim_check_init(struct sim *sim);
 void sim_check_init_axes(struct sim *sim);
 /// After the controller's step: I1, I2, I4, I5, I9.
 void sim_check_step(struct sim *sim);
+/// After the plant's step, when the controller is elsewhere: I1, I2.
+void sim_check_served(struct sim *sim);
 /// A frame on the bus that commands motion, seen by the observer: I4.
 void sim_check_frame(struct sim *sim, const struct can_transfer *transfer);
 

@@ -12,6 +12,7 @@ include tests/mcu/mps2/mps2.mk
 include tests/mcu/tick/tick.mk
 test_runs += script/tests/mcu/rp2040/pico
 include tests/mcu/hal/hal.mk
+include tests/vm/vm.mk
 logs := $(test_runs:%=$(B)/check/%.log)
 
 .PHONY: need-check
@@ -49,9 +50,11 @@ $(B)/check/$(1)/%.log: $(B)/$(1)/% FORCE
 endef
 $(foreach v,$(variants),$(eval $(call variant_test,$(v))))
 
-check: need-check ## Run every test that needs no hardware; ends with `N passed, N failed`
+check: need-check need-vm ## Run every test that needs no hardware; ends with `N passed, N failed`
 	@$(MAKE) --no-print-directory check-all
 
 .PHONY: check-all
+# The virtual machine runs last and alone: it has real-time loops, and an emulated processor.
 check-all: $(logs)
-	@tests/summary.sh $(logs)
+	@$(MAKE) --no-print-directory $(B)/check/vm.log
+	@tests/summary.sh $(logs) $(B)/check/vm.log

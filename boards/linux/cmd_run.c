@@ -1,35 +1,16 @@
 /// `boresight run`: drives a rig in real time.
-#include "command.h"
 #include "facts.h"
-#include "rig.h"
 #include "run_board.h"
-#include "target_source.h"
+#include "runner.h"
 
-#include "sim.h"
-
-#include <errno.h>
-#include <inttypes.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 extern const char build_id[];
 
 struct settings {
-    const char *targets, *seconds;
-    bool arm, json;
-};
-
-struct run {
-    struct rig rig;
-    struct schedule schedule; ///< empty: targets come from the source
-    struct target_source source;
-    bool has_source;
-    struct sim *sim;
-    uint64_t late_ticks;
-    enum controller_mode told_mode;
+    const char *targets, *seconds, *log;
+    bool arm, stay, json;
 };
 
 static const struct option options[] = {
@@ -39,8 +20,66 @@ static const struct option options[] = {
      offsetof(struct settings, seconds), NULL},
     {"--arm", NULL, "arm as soon as the axes are homed", option_flag,
      offsetof(struct settings, arm), NULL},
+    {"--stay", NULL, "hold after a fault or a lost device, too, and wait for SIGUSR1 to re-arm",
+     option_flag, offsetof(struct settings, stay), NULL},
+    {"--log", "FILE|journal", "append events to a file (JSON lines) or to the system's journal",
+     option_text, offsetof(struct settings, log), NULL},
     OPTION_JSON(struct settings),
 };
+
+static double degrees(int64_t position_q48) {
+    return (double)position_q48 * (360.0 / 281474976710656.0);
+}
+
+/// What only the simulator knows, or only real devices have.
+static void add_by_kind(struct facts *facts, struct runner *runner) {
+    if (runner->sim != NULL) {
+        const struct sim_summary summary = sim_summarise(runner->sim);
+        facts_u64(facts, "targets", summary.targets);
+        facts_fixed(facts, "aim_error_rms_deg", summary.aim_error_rms_deg, 5);
+        facts_fixed(facts, "settle_s", summary.settle_s, 3);
+        facts_u64(facts, "violations", sim_violation_count(&summary.violations));
+        return;
+    }
+    const struct pump_errors *errors = &runner->pump->errors;
+    facts_u64(facts, "targets", runner->pump->output.status.target_count);
+    facts_u64(facts, "can_send_failed", errors->can_send_failed);
+    facts_u64(facts, "can_receive_failed", errors->can_receive_failed);
+    facts_u64(facts, "can_restarts", errors->can_restarts);
+    facts_u64(facts, "pwm_failed", errors->pwm_failed);
+    facts_bool(facts, "realtime_priority", runner->realtime.priority);
+    facts_bool(facts, "locked_memory", runner->realtime.memory);
+}
+
+static void print_summary(const struct settings *settings, struct runner *runner) {
+    static const char *const names[] = {"pan_deg", "tilt_deg"};
+    const struct jitter *jitter = &runner->loop.jitter;
+    const struct controller_status *status = &runner->pump->output.status;
+    struct facts facts;
+    facts_begin(&facts, stdout, settings->json);
+    facts_text(&facts, "build", build_id);
+    facts_text(&facts, "mode", controller_mode_name(runner->controller->mode));
+    facts_fixed(&facts, "seconds", (double)(runner->loop.ticks * runner->loop.tick_us) * 1e-6, 3);
+    facts_u64(&facts, "steps", runner->steps);
+    facts_u64(&facts, "missed_ticks", runner->loop.missed_ticks);
+    facts_u64(&facts, "late_us_p50", jitter_quantile_us(jitter, 500));
+    facts_u64(&facts, "late_us_p99", jitter_quantile_us(jitter, 990));
+    facts_u64(&facts, "late_us_p999", jitter_quantile_us(jitter, 999));
+    facts_u64(&facts, "late_us_max", jitter->max_us);
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        const struct controller_axis_status *at = &status->axis[axis];
+        facts_fixed(&facts, names[axis],
+                    degrees(at->measured_known ? at->measured_q48 : at->setpoint_q48), 4);
+    }
+    facts_u64(&facts, "bad_lines", runner->has_source ? runner->source.bad_lines : 0U);
+    facts_u64(&facts, "updates_rejected", runner->controller->updates_rejected);
+    facts_u64(&facts, "reloads", runner->reloads);
+    facts_u64(&facts, "log_dropped", runner->log.dropped);
+    add_by_kind(&facts, runner);
+    facts_end(&facts);
+}
+
+// ---------------------------------------------------------------- who controls the rig
 
 static volatile sig_atomic_t interrupted;
 
@@ -49,143 +88,58 @@ static void interrupt(int number) {
     interrupted = 1;
 }
 
-static uint64_t now_us(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000U + (uint64_t)now.tv_nsec / 1000U;
-}
-
-static void sleep_until_us(uint64_t until_us) {
-    const struct timespec until = {(time_t)(until_us / 1000000U),
-                                   (long)(until_us % 1000000U * 1000U)};
-    (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
-}
-
-static void tell_mode(const struct command *command, struct run *run) {
-    const struct controller *controller = &run->sim->controller;
-    if (controller->mode == run->told_mode) {
-        return;
+/// A flashed board does.
+static enum exit_status drive_board(const struct command *command, const struct settings *settings,
+                                    const struct rig *rig, uint64_t limit_us) {
+    const struct sigaction action = {.sa_handler = interrupt};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    if (settings->stay || settings->log != NULL) {
+        message_command(command->name, "--stay and --log are not for a rig with a board");
+        return EXIT_STATUS_USAGE;
     }
-    run->told_mode = controller->mode;
-    message_command(command->name, "%s%s%s", controller_mode_name(controller->mode),
-                    controller->faults != 0U ? ": " : "",
-                    controller->faults != 0U ? controller_fault_name(controller->faults) : "");
-}
-
-/// Is every powered axis at rest?
-static bool stands_still(const struct controller *controller) {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        if (controller->powered[axis] && !limiter_at_rest(&controller->limiter[axis])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static void take_targets(struct run *run, uint64_t elapsed_us) {
-    struct target_update update;
-    while (run->has_source && target_source_next(&run->source, elapsed_us, &update) &&
-           sim_push(run->sim, &update)) {
-        target_source_taken(&run->source);
-    }
-}
-
-/// Ticks by the clock until the time is over, a signal comes or a fault ends it; then decelerates
-/// and holds.
-static enum exit_status drive(const struct command *command, struct run *run, uint64_t limit_us) {
-    const uint64_t start_us = now_us(), tick_us = run->rig.controller.tick_us;
-    bool stopping = false;
-    for (uint64_t tick = 0;; tick++) {
-        const uint64_t due_us = start_us + tick * tick_us;
-        const uint64_t late_us = now_us() > due_us ? now_us() - due_us : 0U;
-        run->late_ticks += late_us > tick_us;
-        sleep_until_us(due_us);
-        take_targets(run, tick * tick_us);
-        if (!stopping && (interrupted != 0 || (limit_us != 0U && tick * tick_us >= limit_us))) {
-            pump_command(&run->sim->pump, COMMAND_STOP);
-            stopping = true;
-        }
-        sim_step(run->sim);
-        tell_mode(command, run);
-        const struct controller *controller = &run->sim->controller;
-        const bool faulted = controller->mode == MODE_FAULTED;
-        // A fault can't be cleared from here: once all stands still, the run is over.
-        if ((faulted || (stopping && controller->mode != MODE_TRACKING)) &&
-            stands_still(controller)) {
-            return faulted ? EXIT_STATUS_SAFETY_STOP : EXIT_STATUS_OK;
-        }
-    }
-}
-
-static void print_summary(const struct settings *settings, struct run *run) {
-    const struct sim_summary summary = sim_summarise(run->sim);
-    struct facts facts;
-    facts_begin(&facts, stdout, settings->json);
-    facts_text(&facts, "build", build_id);
-    facts_text(&facts, "mode", controller_mode_name(run->sim->controller.mode));
-    facts_fixed(&facts, "seconds", summary.seconds, 3);
-    facts_u64(&facts, "steps", summary.steps);
-    facts_u64(&facts, "late_ticks", run->late_ticks);
-    facts_u64(&facts, "targets", summary.targets);
-    facts_u64(&facts, "bad_lines", run->has_source ? run->source.bad_lines : 0U);
-    facts_u64(&facts, "updates_rejected", run->sim->controller.updates_rejected);
-    facts_fixed(&facts, "aim_error_rms_deg", summary.aim_error_rms_deg, 5);
-    facts_fixed(&facts, "settle_s", summary.settle_s, 3);
-    facts_u64(&facts, "violations", sim_violation_count(&summary.violations));
-    facts_end(&facts);
-}
-
-/// The devices that this build can't open. Told on stderr.
-static bool devices_supported(const struct rig *rig) {
-    static const char *const names[] = {"pan", "tilt", "zoom"};
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        const struct drive_config *drive = &rig->controller.axis[axis].drive;
-        const bool on_bus = drive->kind == DRIVE_RMD;
-        const char *device = on_bus ? rig->bus[axis] : rig->device[axis];
-        if (drive->kind != DRIVE_NONE && strcmp(device, "fake") != 0) {
-            message_at(rig->ini.file, 0,
-                       "%s: this build can't open '%s'; real devices come with the Linux rig, use "
-                       "'%s = fake' until then",
-                       names[axis], device, on_bus ? "bus" : "device");
-            return false;
-        }
-    }
-    return true;
-}
-
-static enum exit_status start(const struct command *command, const struct settings *settings,
-                              uint64_t limit_us, struct run *run) {
-    const bool on_board = run->rig.board_device != NULL;
-    if (!on_board && !devices_supported(&run->rig)) {
-        return EXIT_STATUS_DEVICE;
-    }
-    if (settings->targets != NULL) {
-        run->has_source = target_source_open(&run->source, settings->targets);
-        if (!run->has_source) {
-            return EXIT_STATUS_USAGE;
-        }
-    }
-    run->rig.controller.arm_on_start = run->rig.controller.arm_on_start || settings->arm;
-    if (on_board) {
-        const struct run_board_options board = {.source = run->has_source ? &run->source : NULL,
-                                                .limit_us = limit_us,
-                                                .arm = run->rig.controller.arm_on_start,
-                                                .json = settings->json,
-                                                .interrupted = &interrupted};
-        return run_board(command, &run->rig, &board);
-    }
-    const struct sim_config config = {.controller = &run->rig.controller,
-                                      .schedule = &run->schedule,
-                                      .seed = 1,
-                                      .fixed_focal_mm = run->rig.fixed_focal_mm};
-    run->sim = sim_create(&config);
-    if (run->sim == NULL) {
-        message_command(command->name, "no memory for the simulated devices");
+    struct target_source *source = calloc(1, sizeof *source);
+    if (source == NULL) {
+        message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
-    run->told_mode = MODE_STARTING;
-    const enum exit_status status = drive(command, run, limit_us);
-    print_summary(settings, run);
+    enum exit_status status = EXIT_STATUS_USAGE;
+    if (settings->targets == NULL || target_source_open(source, settings->targets)) {
+        const struct run_board_options board = {.source = settings->targets != NULL ? source : NULL,
+                                                .limit_us = limit_us,
+                                                .arm =
+                                                    rig->controller.arm_on_start || settings->arm,
+                                                .json = settings->json,
+                                                .interrupted = &interrupted};
+        status = run_board(command, rig, &board);
+        target_source_close(source);
+    }
+    free(source);
+    return status;
+}
+
+/// This program does.
+static enum exit_status drive_devices(const struct command *command,
+                                      const struct settings *settings, const char *file,
+                                      uint64_t limit_us) {
+    struct runner *runner = calloc(1, sizeof *runner);
+    if (runner == NULL) {
+        message_command(command->name, "no memory");
+        return EXIT_STATUS_FAILURE;
+    }
+    const struct runner_settings running = {.command = command->name,
+                                            .rig_file = file,
+                                            .targets = settings->targets,
+                                            .log = settings->log,
+                                            .limit_us = limit_us,
+                                            .arm = settings->arm,
+                                            .stay = settings->stay};
+    const enum exit_status status = runner_run(runner, &running);
+    if (runner->steps > 0U) {
+        print_summary(settings, runner);
+    }
+    runner_close(runner);
+    free(runner);
     return status;
 }
 
@@ -206,22 +160,14 @@ static enum exit_status run_command(const struct command *command, int argc, cha
         !option_positive(command->name, "--seconds", settings.seconds, &seconds)) {
         return EXIT_STATUS_USAGE;
     }
-    struct run *run = calloc(1, sizeof *run);
-    if (run == NULL) {
-        message_command(command->name, "no memory");
-        return EXIT_STATUS_FAILURE;
-    }
-    const struct sigaction action = {.sa_handler = interrupt};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    enum exit_status status = rig_read(file, 0, &run->rig);
+    struct rig rig;
+    enum exit_status status = rig_read(file, 0, &rig);
     if (status == EXIT_STATUS_OK) {
-        status = start(command, &settings, (uint64_t)(seconds * 1e6), run);
+        const uint64_t limit_us = (uint64_t)(seconds * 1e6);
+        status = rig.board_device != NULL ? drive_board(command, &settings, &rig, limit_us)
+                                          : drive_devices(command, &settings, file, limit_us);
     }
-    target_source_close(&run->source);
-    sim_destroy(run->sim);
-    rig_free(&run->rig);
-    free(run);
+    rig_free(&rig);
     return status;
 }
 
@@ -230,16 +176,21 @@ const struct command command_run = {
     .summary = "drive a rig toward targets, in real time",
     .operands = "RIG.ini",
     .help =
-        "Homes the axes of the rig, arms them if asked to (--arm, or arm_on_start in the rig "
-        "file)\n"
-        "and follows the targets of a stream: JSON lines, from a pipe as they come, from a file "
-        "at\n"
-        "the times in it. SIGINT and SIGTERM: decelerate, hold, report, exit status 0. A fault\n"
-        "does the same with exit status 5. A line that can't be read is named and skipped.\n"
-        "With board = serial:DEVICE in [controller] a flashed board drives the rig, and this "
-        "program\n"
-        "sends it the targets. Without, this build opens fakes only (bus = fake, device = fake);\n"
-        "real devices come with the Linux rig: exit status 4.\n",
+        "Homes the axes of the rig, arms them if asked to (--arm, or arm_on_start in the rig\n"
+        "file) and follows the targets of a stream: JSON lines, from a pipe as they come, from a\n"
+        "file at the times in it. A line that can't be read is named and skipped.\n\n"
+        "SIGINT, SIGTERM: decelerate, hold, report, exit status 0. SIGHUP: come to rest and start\n"
+        "anew with the rig file as it is then. A fault ends the run with exit status 5, a device\n"
+        "that is missing or leaves with 4; with --stay the rig holds, devices that come back are\n"
+        "opened again, and SIGUSR1 arms it.\n\n"
+        "With board = serial:DEVICE in [controller] a flashed board drives the rig, and this\n"
+        "program sends it the targets.\n\n"
+        "A rig whose devices are all fakes is simulated in real time. Real devices get real-time\n"
+        "priority and locked memory where this user may have them.\n\n"
+        "results:\n"
+        "  late_us_*      how late the ticks came: half of them at most, 99 %, 99.9 %, the latest\n"
+        "  missed_ticks   due while an earlier one was worked on\n"
+        "  pan_deg ...    where the axes are\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

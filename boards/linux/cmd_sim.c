@@ -5,6 +5,7 @@
 #include "make_folder.h"
 #include "replay.h"
 #include "scenario.h"
+#include "serve.h"
 
 #include "view/progress.h"
 #include "view/report.h"
@@ -22,7 +23,7 @@ extern const char build_id[];
 
 struct settings {
     uint64_t seed;
-    const char *seconds_text, *speed_text, *report, *record, *replay;
+    const char *seconds_text, *speed_text, *report, *record, *replay, *serve;
     struct emulator_options mcu;
     double seconds, speed; ///< speed 0: as fast as it goes
     bool has_seed, json, quiet;
@@ -70,6 +71,9 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, mcu.console), NULL},
     {"--mcu-serial", "LINK", "make LINK a terminal at the board's serial line; with --speed 1",
      option_text, offsetof(struct settings, mcu.serial), NULL},
+    {"--serve", "can:NAME",
+     "put the scenario's drives on a CAN interface, for a controller elsewhere", option_text,
+     offsetof(struct settings, serve), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
     OPTION_JSON(struct settings),
 };
@@ -330,6 +334,25 @@ static enum exit_status simulate_all(const struct command *command, const struct
     return status;
 }
 
+/// One scenario's drives on a bus, until interrupted or for --seconds.
+static enum exit_status serve(const struct command *command, const struct settings *settings,
+                              const char *file) {
+    struct scenario *scenario = calloc(1, sizeof *scenario);
+    if (scenario == NULL) {
+        message_command(command->name, "no memory");
+        return EXIT_STATUS_FAILURE;
+    }
+    enum exit_status status = scenario_read(file, scenario);
+    if (status == EXIT_STATUS_OK) {
+        scenario->sim.seed = settings->has_seed ? settings->seed : scenario->sim.seed;
+        status = serve_drives(command->name, scenario, settings->serve, settings->seconds,
+                              settings->json);
+    }
+    scenario_free(scenario);
+    free(scenario);
+    return status;
+}
+
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     const char *files[RUNS_MOST];
@@ -367,6 +390,14 @@ static enum exit_status run_command(const struct command *command, int argc, cha
          !option_positive(command->name, "--speed", settings.speed_text, &settings.speed))) {
         return EXIT_STATUS_USAGE;
     }
+    if (settings.serve != NULL) {
+        if (count != 1U || limited || settings.report != NULL) {
+            message_command(command->name,
+                            "--serve takes one scenario, and no --speed and no --report");
+            return EXIT_STATUS_USAGE;
+        }
+        return serve(command, &settings, files[0]);
+    }
     return simulate_all(command, &settings, files, count);
 }
 
@@ -384,7 +415,10 @@ const struct command command_sim = {
         "                     0.1 degree) and until it jumps by more than 5 degrees\n"
         "  in_frame_percent   of all targets at all times while tracking\n"
         "  settle_s           mean time from a jump of the aim until it has settled\n"
-        "  times_real_time    simulated time by elapsed time\n",
+        "  times_real_time    simulated time by elapsed time\n\n"
+        "With --serve no controller runs here: the scenario's drives and their physics sit on a\n"
+        "CAN interface, in real time, and answer whoever speaks to them ('boresight run' with\n"
+        "'bus = can:NAME'). SIGINT ends it; pan_deg and tilt_deg are where the axes really are.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

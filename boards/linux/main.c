@@ -3,6 +3,9 @@
 #include "message.h"
 #include "suggest.h"
 
+#include "linux/linux_gpio.h"
+#include "linux/linux_usb.h"
+
 #include <errno.h>
 #include <float.h>
 #include <stdio.h>
@@ -77,6 +80,13 @@ static void print_version(void) {
 #endif
     printf("pointer_bits       %zu\n", 8 * sizeof(void *));
     printf("long_double_bits   %d\n", LDBL_MANT_DIG);
+    const char *const libraries[] = {linux_gpio_library(), linux_usb_library()};
+    static const char *const without[] = {"no libgpiod", "no libusb"};
+    printf("libraries         ");
+    for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++) {
+        printf("%s%s", i > 0U ? ", " : " ", libraries[i] != NULL ? libraries[i] : without[i]);
+    }
+    printf("\n");
     printf("commands          ");
     for (size_t i = 0; i < command_count; i++) {
         printf(" %s", commands[i]->name);

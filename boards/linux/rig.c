@@ -92,6 +92,8 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
     to->home_q48 = from->home_q48;
     rig->bus[axis] = from->drive == RIG_DRIVE_FAKE ? "fake" : from->bus;
     rig->device[axis] = from->device;
+    rig->limit_switch[axis][0] = from->switch_min;
+    rig->limit_switch[axis][1] = from->switch_max;
     if (from->drive == RIG_DRIVE_PWM) {
         to->drive.kind = DRIVE_PWM;
         return build_pwm(ini, name, from, &to->drive.pwm);
@@ -223,12 +225,15 @@ static bool build_board(const struct rig_file *file, const struct ini *ini, stru
     return true;
 }
 
-static bool channels_differ(const struct ini *ini, const struct controller_config *controller) {
+static bool channels_differ(const struct rig *rig) {
+    const struct ini *ini = &rig->ini;
+    const struct controller_config *controller = &rig->controller;
     for (unsigned a = 0; a < AXIS_COUNT; a++) {
         for (unsigned b = a + 1U; b < AXIS_COUNT; b++) {
             const struct drive_config *x = &controller->axis[a].drive,
                                       *y = &controller->axis[b].drive;
-            if (x->kind == DRIVE_PWM && y->kind == DRIVE_PWM && x->pwm.channel == y->pwm.channel) {
+            if (x->kind == DRIVE_PWM && y->kind == DRIVE_PWM && x->pwm.channel == y->pwm.channel &&
+                strcmp(rig->device[a], rig->device[b]) == 0) {
                 ini_complain(ini, axis_names[b], "", "channel", "is that of %s", axis_names[a]);
                 return false;
             }
@@ -254,11 +259,14 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
     }
     out->controller.tick_us = tick_us != 0U ? tick_us : (uint32_t)file.controller.tick_us;
     build_settings(&file, &out->controller);
-    const bool built =
-        build_mount(&file, &out->ini, &out->controller) && build_board(&file, &out->ini, out) &&
-        build_axis(&file, &out->ini, AXIS_PAN, out) &&
-        build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
-        channels_differ(&out->ini, &out->controller);
+    out->estop = file.safety.estop;
+    out->enable = file.safety.enable;
+    out->debounce_us = (uint32_t)file.safety.debounce_us;
+    const bool built = build_mount(&file, &out->ini, &out->controller) &&
+                       build_board(&file, &out->ini, out) &&
+                       build_axis(&file, &out->ini, AXIS_PAN, out) &&
+                       build_axis(&file, &out->ini, AXIS_TILT, out) &&
+                       build_zoom(&file, &out->ini, out) && channels_differ(out);
     return built ? EXIT_STATUS_OK : EXIT_STATUS_USAGE;
 }
 

@@ -12,8 +12,11 @@
 struct rig {
     struct ini ini; ///< keeps the texts
     struct controller_config controller;
-    const char *bus[2];       ///< of pan and tilt, as in the file: "fake" or "can:NAME"
-    const char *device[3];    ///< of PWM axes: "fake", or a PWM chip
+    const char *bus[2];             ///< of pan and tilt, as in the file: "fake" or "can:NAME"
+    const char *device[3];          ///< of PWM axes: "fake", or a PWM chip
+    const char *estop, *enable;     ///< lines, see rig_lines.h; empty: none
+    const char *limit_switch[2][2]; ///< of pan and tilt, at the lower and the upper end
+    uint32_t debounce_us;
     const char *board_device; ///< serial port of the board that drives the rig; NULL: this program
     uint32_t board_baud;
     bool any_board_build;  ///< the board's build may differ from ours

@@ -12,7 +12,7 @@ struct rig_mount {
 
 struct rig_axis {
     int drive;
-    const char *bus, *device;
+    const char *bus, *device, *switch_min, *switch_max;
     int64_t id;
     int dialect;
     bool reversed;
@@ -42,7 +42,8 @@ struct rig_controller {
 };
 
 struct rig_safety {
-    int64_t silence_us, settle_us, follow_error_q48, follow_error_us, watchdog_ms;
+    int64_t silence_us, settle_us, follow_error_q48, follow_error_us, watchdog_ms, debounce_us;
+    const char *estop, *enable;
     bool arm_on_start;
 };
 

@@ -27,11 +27,11 @@ $(B)/$(1)/libmcu.a: $(cpu_c:%.c=$(B)/$(1)/%.o)
 $(1)_mcu := $(B)/$(1)/host-sim/mcu/quick_stores.o $(B)/$(1)/libmcu.a $(B)/$(1)/libchip.a
 $(B)/$(1)/boresight-mcu: $(B)/$(1)/boards/linux/main.o $(B)/$(1)/host-sim/mcu/program.o $$($(1)_mcu) $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) $(mcu_link) -o $$@ $$^ -lunicorn -ljansson -lm
+	$$($(1)_cc) $$($(1)_ld) $(mcu_link) -o $$@ $$^ -lunicorn -ljansson $(feature_libs) -lm
 $(cpu_test_c:%.c=$(B)/$(1)/%): $(B)/$(1)/tests/mcu/cpu/%: $(B)/$(1)/tests/mcu/cpu/%.o $(B)/$(1)/libtest.a \
     $$($(1)_mcu) $$($(1)_libs)
 	$$(say) LD $$@
-	$$($(1)_cc) $$($(1)_ld) $(mcu_link) -o $$@ $$^ -lunicorn -ljansson -lm
+	$$($(1)_cc) $$($(1)_ld) $(mcu_link) -o $$@ $$^ -lunicorn -ljansson $(feature_libs) -lm
 $(chip_test_c:%.c=$(B)/$(1)/%): $(B)/$(1)/tests/mcu/%: $(B)/$(1)/tests/mcu/%.o $(B)/$(1)/libtest.a \
     $(B)/$(1)/libchip.a $(B)/$(1)/libsim.a $(B)/$(1)/libfirmware.a
 	$$(say) LD $$@

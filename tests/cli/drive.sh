@@ -106,6 +106,6 @@ status=$?
 gives 'run ends well on SIGINT' 0 'mode="stopped"'
 sed 's/^bus = fake/bus = can:can0/' host-sim/rigs/studio.ini >"$dir/real.ini"
 run run "$dir/real.ini" --seconds 1
-[ "$status" -eq 4 ] && grep -q 'can:can0' "$dir/err"
-verdict 'a device that this build can not open: status 4' $?
+[ "$status" -eq 4 ] && grep -q 'can0: no such interface' "$dir/err"
+verdict 'an interface that is not there: status 4' $?
 finish

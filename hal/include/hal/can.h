@@ -97,7 +97,7 @@ hal_can_receive(const struct hal_can *can, struct can_frame *frame, uint32_t *re
 
 /// Health and counters.
 /// Returns:  HAL_OK; HAL_ERROR_IO, HAL_ERROR_GONE: *state is not set.
-/// Cost:     two register reads; on Linux no system call (error frames are digested by receive).
+/// Cost:     two register reads; on Linux one system call, and one more for each error that came.
 MUST_CHECK static inline enum hal_status hal_can_state(const struct hal_can *can,
                                                        struct hal_can_state *state) {
     if (state == NULL) {

@@ -22,6 +22,11 @@ static struct can_frame numbered(uint32_t number) {
     return frame;
 }
 
+/// A length that the rig can carry.
+static uint8_t carried_length(uint8_t flags, uint8_t length) {
+    return fixture->remote_length_lost && (flags & CAN_FRAME_REMOTE) != 0U ? 0U : length;
+}
+
 static struct can_frame any_frame(void) {
     const uint64_t bits = check_random(&seed);
     struct can_frame frame = {.flags = (uint8_t)(bits & 3U), .length = (uint8_t)(bits / 4U % 9U)};
@@ -29,6 +34,7 @@ static struct can_frame any_frame(void) {
                ((bits & 1U) != 0U ? CAN_FRAME_EXTENDED_ID_MAX : CAN_FRAME_STANDARD_ID_MAX);
     const uint64_t data = check_random(&seed);
     memcpy(frame.data, &data, sizeof frame.data);
+    frame.length = carried_length(frame.flags, frame.length);
     return frame;
 }
 
@@ -113,7 +119,7 @@ static void boundary_frames(void) {
                 struct can_frame frame = numbered(0xFF00A55AU);
                 frame.id = extended ? extended_ids[i] : ids[i];
                 frame.flags = flags;
-                frame.length = length;
+                frame.length = carried_length(flags, length);
                 cross(fixture->a, fixture->b, &frame);
                 cross(fixture->b, fixture->a, &frame);
             }

@@ -25,6 +25,8 @@ struct can_fixture {
     /// Frames that a's send queue holds while the bus is not let run (settle); 0: it runs by
     /// itself.
     uint32_t send_capacity;
+    /// The rig's bus mangles remote frames that ask for a length: none are sent.
+    bool remote_length_lost;
 };
 
 /// Needs reset and settle; the other hands may be null.

@@ -18,6 +18,7 @@ struct usb_fixture {
     /// A moment of real or virtual time: at least 1 ms.
     void (*settle)(void *context);
     void (*unplug)(void *context);
+    bool replug_is_slow; ///< it is unplugged a few times only
     /// See contract.h.
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
     /// Bulk endpoints: what goes out at one comes in at the other, a transfer for a transfer.

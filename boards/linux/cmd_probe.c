@@ -1,0 +1,199 @@
+/// `boresight probe`: which devices a rig could use, and what to write into its file.
+#include "command.h"
+#include "json.h"
+
+#include "linux/linux_can.h"
+#include "linux/linux_gpio.h"
+#include "linux/linux_pwm.h"
+#include "linux/linux_usb.h"
+
+#include <glob.h>
+#include <string.h>
+
+enum { DEVICES_MAX = 64, TEXT_BYTES = 160 };
+
+struct settings {
+    bool json;
+};
+
+static const struct option options[] = {OPTION_JSON(struct settings)};
+
+/// A device, as it is told.
+struct found {
+    const char *kind;
+    char name[64];
+    char write[80]; ///< what to write into a rig file
+    char about[TEXT_BYTES];
+    char first[TEXT_BYTES]; ///< what has to be done before; empty: nothing
+};
+
+static void print_found(const struct found *found, bool as_json) {
+    if (!as_json) {
+        printf("%-7s %-18s %-30s %s%s%s\n", found->kind, found->name, found->write, found->about,
+               found->first[0] != '\0' ? "; first: " : "", found->first);
+        return;
+    }
+    const char *const keys[] = {"kind", "name", "write", "about", "first"};
+    const char *const values[] = {found->kind, found->name, found->write, found->about,
+                                  found->first};
+    struct json json;
+    json_start(&json, stdout);
+    json_begin_object(&json);
+    for (unsigned i = 0; i < sizeof keys / sizeof *keys; i++) {
+        json_key(&json, keys[i]);
+        json_text(&json, values[i]);
+    }
+    json_end_object(&json);
+    putchar('\n');
+}
+
+// ---------------------------------------------------------------- kinds
+
+static void describe_can(const struct linux_can_link *link, struct found *found) {
+    static const char *const health[] = {"active", "passive", "bus-off"};
+    snprintf(found->name, sizeof found->name, "%.15s", link->name);
+    snprintf(found->write, sizeof found->write, "bus = can:%.15s", link->name);
+    if (!link->has_controller) {
+        snprintf(found->about, sizeof found->about, "virtual");
+    } else if (link->bitrate == 0U) {
+        snprintf(found->about, sizeof found->about, "no bit rate");
+    } else {
+        snprintf(found->about, sizeof found->about, "%u bit/s, %s, errors %u sent %u received",
+                 (unsigned)link->bitrate, health[link->health], link->transmit_error_count,
+                 link->receive_error_count);
+    }
+    if (!link->up) {
+        snprintf(found->first, sizeof found->first, "sudo ip link set %.15s up%s", link->name,
+                 link->has_controller && link->bitrate == 0U ? " type can bitrate 1000000" : "");
+    }
+}
+
+static unsigned probe_can(bool as_json) {
+    struct linux_can_link links[DEVICES_MAX];
+    struct linux_error error;
+    uint32_t count = 0;
+    if (linux_can_list(links, DEVICES_MAX, &count, &error) != HAL_OK) {
+        message_command("probe", "%s", error.line);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        struct found found = {.kind = "can"};
+        describe_can(&links[i], &found);
+        print_found(&found, as_json);
+    }
+    return count;
+}
+
+/// Serial ports may have a slcan adapter, which does not say what it is.
+static unsigned probe_serial(bool as_json) {
+    glob_t paths = {0};
+    unsigned count = 0;
+    const int modems = glob("/dev/ttyACM*", 0, NULL, &paths);
+    const int adapters = glob("/dev/ttyUSB*", GLOB_APPEND, NULL, &paths);
+    if (modems == 0 || adapters == 0) {
+        for (size_t i = 0; i < paths.gl_pathc; i++) {
+            struct found found = {.kind = "serial"};
+            snprintf(found.name, sizeof found.name, "%.63s", paths.gl_pathv[i]);
+            snprintf(found.write, sizeof found.write, "bus = slcan:%.60s", paths.gl_pathv[i]);
+            snprintf(found.about, sizeof found.about, "if it is a slcan adapter");
+            print_found(&found, as_json);
+            count++;
+        }
+    }
+    globfree(&paths);
+    return count;
+}
+
+static unsigned probe_gpio(bool as_json) {
+    struct linux_gpio_chip chips[DEVICES_MAX];
+    const uint32_t count = linux_gpio_list(chips, DEVICES_MAX);
+    for (uint32_t i = 0; i < count && i < DEVICES_MAX; i++) {
+        struct found found = {.kind = "gpio"};
+        snprintf(found.name, sizeof found.name, "%.63s", chips[i].name);
+        snprintf(found.write, sizeof found.write, "estop = %.40s:LINE:up", chips[i].name);
+        snprintf(found.about, sizeof found.about, "'%.63s', lines 0 to %u", chips[i].label,
+                 (unsigned)chips[i].line_count - 1U);
+        print_found(&found, as_json);
+    }
+    return count;
+}
+
+static unsigned probe_pwm(bool as_json) {
+    struct linux_pwm_chip chips[DEVICES_MAX];
+    const uint32_t count = linux_pwm_list(LINUX_PWM_ROOT, chips, DEVICES_MAX);
+    for (uint32_t i = 0; i < count && i < DEVICES_MAX; i++) {
+        struct found found = {.kind = "pwm"};
+        snprintf(found.name, sizeof found.name, "%.31s", chips[i].name);
+        snprintf(found.write, sizeof found.write, "device = %.31s", chips[i].name);
+        snprintf(found.about, sizeof found.about, "channels 0 to %u",
+                 (unsigned)chips[i].channel_count - 1U);
+        print_found(&found, as_json);
+    }
+    return count;
+}
+
+static const char *maestro_name(uint16_t product) {
+    static const char *const names[] = {"Maestro Micro 6", "Maestro Mini 12", "Maestro Mini 18",
+                                        "Maestro Mini 24"};
+    return product >= 0x0089U && product <= 0x008CU ? names[product - 0x0089U] : NULL;
+}
+
+static unsigned probe_maestro(bool as_json) {
+    struct hal_usb_identity identities[DEVICES_MAX];
+    const unsigned there = linux_usb_list(0x1FFB, identities, DEVICES_MAX);
+    unsigned count = 0;
+    for (unsigned i = 0; i < there && i < DEVICES_MAX; i++) {
+        const char *name = maestro_name(identities[i].product);
+        const char *serial = identities[i].serial_number;
+        if (name == NULL) {
+            continue;
+        }
+        struct found found = {.kind = "usb"};
+        snprintf(found.name, sizeof found.name, "%s", name);
+        snprintf(found.write, sizeof found.write, "device = maestro%s%s",
+                 serial[0] != '\0' ? ":" : "", serial);
+        snprintf(found.about, sizeof found.about, "firmware %u.%02u",
+                 identities[i].release_bcd >> 8, identities[i].release_bcd & 255U);
+        if (serial[0] == '\0') {
+            snprintf(found.first, sizeof found.first, "let this user open it: docs/rig.md, udev");
+        }
+        print_found(&found, as_json);
+        count++;
+    }
+    return count;
+}
+
+static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
+    struct settings settings = {0};
+    size_t operands;
+    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
+                      NULL, 0, &operands)) {
+        return EXIT_STATUS_USAGE;
+    }
+    const unsigned count = probe_can(settings.json) + probe_serial(settings.json) +
+                           probe_pwm(settings.json) + probe_maestro(settings.json) +
+                           probe_gpio(settings.json);
+    if (count == 0U) {
+        message_command(command->name, "no CAN interface, serial port, PWM chip, Maestro or GPIO "
+                                       "chip is here");
+    }
+    if (linux_gpio_library() == NULL) {
+        message_command(command->name, "GPIO chips are not looked for: built without libgpiod");
+    }
+    if (linux_usb_library() == NULL) {
+        message_command(command->name, "USB is not looked at: built without libusb");
+    }
+    return EXIT_STATUS_OK;
+}
+
+const struct command command_probe = {
+    .name = "probe",
+    .summary = "list the devices that a rig could use",
+    .operands = "",
+    .help = "Prints a line a device: its kind, its name, what to write into a rig file, what is\n"
+            "known of it, and what has to be done before it can be used. With --json, an object a\n"
+            "line. CAN interfaces, serial ports (of slcan adapters), PWM chips, Maestro servo\n"
+            "controllers and GPIO chips. Nothing is changed, and nothing moves.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .run = run_command,
+};

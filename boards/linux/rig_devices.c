@@ -1,0 +1,287 @@
+#include "rig_devices.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
+
+// ---------------------------------------------------------------- the bus
+
+/// Replies of the rig's drives, and nothing else, are heard.
+static void listen_to(struct rig_bus *bus, const struct drive_rmd_config *rmd) {
+    bus->filters[bus->filter_count++] =
+        (struct hal_can_filter){.id = 0x140U + rmd->reply_offset + rmd->id,
+                                .id_mask = CAN_FRAME_EXTENDED_ID_MAX,
+                                .flags = 0,
+                                .flags_mask = CAN_FRAME_EXTENDED | CAN_FRAME_REMOTE};
+}
+
+static enum hal_status open_bus(struct rig_devices *devices) {
+    struct rig_bus *bus = &devices->bus;
+    enum hal_status status;
+    if (bus->kind == RIG_BUS_SOCKETCAN) {
+        status = linux_can_open(&bus->can, bus->path, &devices->clock.hal);
+        devices->error = bus->can.error;
+        bus->hal = &bus->can.hal;
+    } else {
+        status = linux_slcan_open(&bus->slcan, bus->path, bus->bitrate, &devices->clock.hal);
+        devices->error = bus->slcan.error;
+        bus->hal = &bus->slcan.hal;
+    }
+    return status == HAL_OK ? hal_can_set_filters(bus->hal, bus->filters, bus->filter_count)
+                            : status;
+}
+
+static void close_bus(struct rig_bus *bus) {
+    if (bus->kind == RIG_BUS_SOCKETCAN) {
+        linux_can_close(&bus->can);
+    } else if (bus->kind == RIG_BUS_SLCAN) {
+        linux_slcan_close(&bus->slcan);
+    }
+}
+
+/// can:NAME, slcan:DEVICE or slcan:DEVICE@BITRATE.
+static bool read_bus(struct rig_bus *bus, const char *text) {
+    const bool slcan = strncmp(text, "slcan:", 6) == 0;
+    if (!slcan && strncmp(text, "can:", 4) != 0) {
+        return false;
+    }
+    const char *path = strchr(text, ':') + 1;
+    const char *at = slcan ? strchr(path, '@') : NULL;
+    const size_t size = at != NULL ? (size_t)(at - path) : strlen(path);
+    char *end = NULL;
+    bus->text = text;
+    bus->kind = slcan ? RIG_BUS_SLCAN : RIG_BUS_SOCKETCAN;
+    bus->bitrate = at != NULL ? (uint32_t)strtoul(at + 1, &end, 10) : 1000000U;
+    if (size == 0U || size >= sizeof bus->path || (at != NULL && (end == at + 1 || *end != '\0'))) {
+        return false;
+    }
+    memcpy(bus->path, path, size);
+    bus->path[size] = '\0';
+    return true;
+}
+
+/// Which bus the axes are on: one for all of them.
+static bool find_bus(struct rig_bus *bus, const struct rig *rig) {
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        const struct drive_config *drive = &rig->controller.axis[axis].drive;
+        const char *text = rig->bus[axis];
+        if (drive->kind != DRIVE_RMD) {
+            continue;
+        }
+        if (bus->kind != RIG_BUS_NONE && strcmp(bus->text, text) != 0) {
+            ini_complain(&rig->ini, axis_names[axis], "", "bus",
+                         "is not that of %s; both have to be on one", axis_names[AXIS_PAN]);
+            return false;
+        }
+        if (bus->kind == RIG_BUS_NONE && !read_bus(bus, text)) {
+            ini_complain(&rig->ini, axis_names[axis], "", "bus",
+                         "is '%s'; on a rig with real devices it is can:NAME or slcan:DEVICE",
+                         text);
+            return false;
+        }
+        listen_to(bus, &drive->rmd);
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- outputs, numbered by axis
+
+static const struct hal_pwm *pwm_of(const struct rig_devices *devices, uint32_t axis) {
+    return axis < AXIS_COUNT && devices->output[axis].device != NULL
+               ? devices->output[axis].device->hal
+               : NULL;
+}
+
+static enum hal_status output_limits(void *ctx, uint32_t axis, struct hal_pwm_limits *limits) {
+    const struct rig_devices *devices = ctx;
+    const struct hal_pwm *pwm = pwm_of(devices, axis);
+    return pwm == NULL ? HAL_ERROR_ARGUMENT
+                       : hal_pwm_limits(pwm, devices->output[axis].channel, limits);
+}
+
+static enum hal_status output_set_period(void *ctx, uint32_t axis, uint32_t period_ns) {
+    const struct rig_devices *devices = ctx;
+    const struct hal_pwm *pwm = pwm_of(devices, axis);
+    return pwm == NULL ? HAL_ERROR_ARGUMENT
+                       : hal_pwm_set_period(pwm, devices->output[axis].channel, period_ns);
+}
+
+static enum hal_status output_set_pulse(void *ctx, uint32_t axis, uint32_t pulse_ns) {
+    struct rig_devices *devices = ctx;
+    if (axis >= AXIS_COUNT) {
+        return HAL_ERROR_ARGUMENT;
+    }
+    const struct hal_pwm *pwm = pwm_of(devices, axis);
+    struct rig_output *output = &devices->output[axis];
+    output->pulse_ns = pulse_ns;
+    if (pwm == NULL) {
+        return HAL_OK;
+    }
+    return hal_pwm_set_pulse(pwm, output->channel, pulse_ns);
+}
+
+static enum hal_status open_output(struct rig_devices *devices, struct rig_output_device *device) {
+    enum hal_status status;
+    if (device->kind == RIG_OUTPUT_PWM) {
+        status = linux_pwm_open(&device->pwm, LINUX_PWM_ROOT, device->text, device->channels);
+        devices->error = device->pwm.error;
+        device->hal = &device->pwm.hal;
+    } else {
+        const char *colon = strchr(device->text, ':');
+        status = linux_maestro_open(&device->maestro, colon != NULL ? colon + 1 : NULL);
+        devices->error = device->maestro.error;
+        device->hal = &device->maestro.hal;
+    }
+    for (unsigned axis = 0; axis < AXIS_COUNT && status == HAL_OK; axis++) {
+        const struct rig_output *output = &devices->output[axis];
+        if (output->device == device) { // also refuses a channel that it does not have
+            status = hal_pwm_set_pulse(device->hal, output->channel, output->pulse_ns);
+        }
+    }
+    if (status == HAL_ERROR_ARGUMENT && devices->error.line[0] == '\0') {
+        linux_error_set(&devices->error, device->text, "has no such channel",
+                        "choose another channel in the rig file");
+    }
+    return status;
+}
+
+static void close_output(struct rig_output_device *device) {
+    if (device->kind == RIG_OUTPUT_PWM) {
+        linux_pwm_close(&device->pwm);
+    } else {
+        linux_maestro_close(&device->maestro);
+    }
+}
+
+/// The entry of a device of that name, which axes may share.
+static struct rig_output_device *device_of(struct rig_devices *devices, const char *text) {
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        if (strcmp(devices->device[i].text, text) == 0) {
+            return &devices->device[i];
+        }
+    }
+    const bool maestro = strcmp(text, "maestro") == 0 || strncmp(text, "maestro:", 8) == 0;
+    if (!maestro && strncmp(text, "pwmchip", 7) != 0) {
+        return NULL;
+    }
+    struct rig_output_device *device = &devices->device[devices->device_count++];
+    device->kind = maestro ? RIG_OUTPUT_MAESTRO : RIG_OUTPUT_PWM;
+    device->text = text;
+    return device;
+}
+
+static bool find_outputs(struct rig_devices *devices, struct rig *rig) {
+    static const struct hal_pwm_ops ops = {output_limits, output_set_period, output_set_pulse};
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        struct drive_config *drive = &rig->controller.axis[axis].drive;
+        if (drive->kind != DRIVE_PWM) {
+            continue;
+        }
+        struct rig_output *output = &devices->output[axis];
+        output->channel = drive->pwm.channel;
+        drive->pwm.channel = axis;
+        if (strcmp(rig->device[axis], "fake") == 0) {
+            continue;
+        }
+        output->device = device_of(devices, rig->device[axis]);
+        if (output->device == NULL) {
+            ini_complain(&rig->ini, axis_names[axis], "", "device",
+                         "is '%s'; it has to be pwmchipN, maestro, maestro:SERIAL or fake",
+                         rig->device[axis]);
+            return false;
+        }
+        if (output->channel < 32U) {
+            output->device->channels |= UINT32_C(1) << output->channel;
+        }
+    }
+    return hal_pwm_bind(&devices->outputs, &ops, devices) == HAL_OK;
+}
+
+// ---------------------------------------------------------------- all of them
+
+enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig) {
+    memset(devices, 0, sizeof *devices);
+    devices->bus.can.fd = devices->bus.can.error_fd = devices->bus.slcan.serial.fd = -1;
+    linux_clock_open(&devices->clock, 0);
+    if (!find_bus(&devices->bus, rig) || !find_outputs(devices, rig)) {
+        return EXIT_STATUS_USAGE;
+    }
+    bool good = devices->bus.kind == RIG_BUS_NONE || open_bus(devices) == HAL_OK;
+    unsigned opened = 0;
+    while (good && opened < devices->device_count) {
+        good = open_output(devices, &devices->device[opened]) == HAL_OK;
+        opened++;
+    }
+    if (!good) {
+        message_at(rig->ini.file, 0, "%s", devices->error.line);
+        devices->device_count = opened;
+        rig_devices_close(devices);
+        return EXIT_STATUS_DEVICE;
+    }
+    devices->pump = (struct pump_devices){&devices->clock.hal, devices->bus.hal, &devices->outputs};
+    return EXIT_STATUS_OK;
+}
+
+void rig_devices_close(struct rig_devices *devices) {
+    close_bus(&devices->bus);
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        close_output(&devices->device[i]);
+    }
+    devices->device_count = 0;
+}
+
+void rig_devices_tick(struct rig_devices *devices) {
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        if (devices->device[i].kind == RIG_OUTPUT_MAESTRO) {
+            (void)linux_maestro_poll(&devices->device[i].maestro);
+        }
+    }
+}
+
+/// A device that leaves answers that it is gone to whatever it is asked.
+const char *rig_devices_newly_lost(struct rig_devices *devices) {
+    struct hal_can_state state;
+    struct hal_pwm_limits limits;
+    struct rig_bus *bus = &devices->bus;
+    if (bus->hal != NULL && !bus->lost && hal_can_state(bus->hal, &state) == HAL_ERROR_GONE) {
+        bus->lost = true;
+        devices->error = bus->kind == RIG_BUS_SOCKETCAN ? bus->can.error : bus->slcan.error;
+        return devices->error.line;
+    }
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct rig_output *output = &devices->output[axis];
+        struct rig_output_device *device = output->device;
+        if (device != NULL && !device->lost &&
+            hal_pwm_limits(device->hal, output->channel, &limits) == HAL_ERROR_GONE) {
+            device->lost = true;
+            devices->error =
+                device->kind == RIG_OUTPUT_PWM ? device->pwm.error : device->maestro.error;
+            return devices->error.line;
+        }
+    }
+    return NULL;
+}
+
+bool rig_devices_incomplete(const struct rig_devices *devices) {
+    bool incomplete = devices->bus.lost;
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        incomplete = incomplete || devices->device[i].lost;
+    }
+    return incomplete;
+}
+
+bool rig_devices_mend(struct rig_devices *devices) {
+    if (devices->bus.lost) {
+        close_bus(&devices->bus);
+        devices->bus.lost = open_bus(devices) != HAL_OK;
+    }
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        struct rig_output_device *device = &devices->device[i];
+        if (device->lost) {
+            close_output(device);
+            device->lost = open_output(devices, device) != HAL_OK;
+        }
+    }
+    return !rig_devices_incomplete(devices);
+}

@@ -1,0 +1,91 @@
+/// The devices that a rig file names, opened: what the pump reads and writes when nothing is
+/// simulated.
+///
+/// `bus = can:NAME` is a network interface, `bus = slcan:DEVICE` (or slcan:DEVICE@BITRATE, 1000000
+/// if not said) an adapter on a serial port. `device = pwmchipN` is a PWM chip of the kernel's,
+/// `device = maestro` (or maestro:SERIAL) a USB servo controller; `fake` outputs next to real
+/// devices go nowhere. A device that leaves while the rig runs answers HAL_ERROR_GONE;
+/// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
+/// last.
+#ifndef LINUX_RIG_DEVICES_H
+#define LINUX_RIG_DEVICES_H
+
+#include "message.h"
+#include "rig.h"
+
+#include "app/pump.h"
+#include "linux/linux_can.h"
+#include "linux/linux_clock.h"
+#include "linux/linux_maestro.h"
+#include "linux/linux_pwm.h"
+#include "linux/linux_slcan.h"
+
+#include <stdbool.h>
+
+enum rig_bus_kind { RIG_BUS_NONE, RIG_BUS_SOCKETCAN, RIG_BUS_SLCAN };
+enum rig_output_kind { RIG_OUTPUT_PWM, RIG_OUTPUT_MAESTRO };
+
+/// The bus of the drives.
+struct rig_bus {
+    enum rig_bus_kind kind;
+    const char *text; ///< as in the rig file
+    char path[LINUX_SERIAL_PATH_BYTES];
+    uint32_t bitrate;
+    struct linux_can can;
+    struct linux_slcan slcan;
+    const struct hal_can *hal;
+    struct hal_can_filter filters[AXIS_COUNT];
+    uint32_t filter_count;
+    bool lost;
+};
+
+/// A device with outputs; several axes may share one.
+struct rig_output_device {
+    enum rig_output_kind kind;
+    const char *text;
+    uint32_t channels; ///< a bit each
+    struct linux_pwm pwm;
+    struct linux_maestro maestro;
+    const struct hal_pwm *hal;
+    bool lost;
+};
+
+/// How an axis' pulses come out.
+struct rig_output {
+    struct rig_output_device *device; ///< NULL: nowhere
+    uint32_t channel;
+    uint32_t pulse_ns; ///< as last asked for, for a device that comes back
+};
+
+struct rig_devices {
+    struct pump_devices pump;
+
+    // Private from here on.
+    struct linux_clock clock;
+    struct rig_bus bus;
+    struct rig_output_device device[AXIS_COUNT];
+    unsigned device_count;
+    struct hal_pwm outputs;
+    struct rig_output output[AXIS_COUNT];
+    struct linux_error error; ///< of the device that was opened or lost last
+};
+
+/// Opens them all. rig: its controller's PWM channels are numbered by axis from now on.
+/// Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE or EXIT_STATUS_USAGE after a line on stderr, with
+/// nothing left open. Must not move in memory afterwards.
+enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig);
+void rig_devices_close(struct rig_devices *devices);
+
+/// Moves what is under way on USB. At every tick.
+void rig_devices_tick(struct rig_devices *devices);
+
+/// Looks whether a device has left since the last call. Returns its line, once for each loss; NULL:
+/// none has.
+const char *rig_devices_newly_lost(struct rig_devices *devices);
+/// Is one missing now?
+bool rig_devices_incomplete(const struct rig_devices *devices);
+/// Tries to open what is missing; costs a few system calls, so call it twice a second and not more.
+/// Returns whether all is there again.
+bool rig_devices_mend(struct rig_devices *devices);
+
+#endif

@@ -1,0 +1,30 @@
+/// The structured log of `boresight run`: an event a line, to a file or to the system's journal.
+///
+/// A line of a file is a JSON object: {"t_s": 1.234, "event": "mode", "text": "tracking"}, t_s
+/// since the start. In the journal an entry has the text as MESSAGE and the event as
+/// BORESIGHT_EVENT. The control never waits for it: what can't be written is counted and dropped.
+/// Shown: tests/scenario/test_run_log.c.
+#ifndef LINUX_RUN_LOG_H
+#define LINUX_RUN_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct run_log {
+    int fd; ///< -1: no log
+    bool is_journal;
+    const char *name;
+    uint64_t start_us;
+    uint64_t dropped;
+};
+
+/// target: a file, which is appended to, or "journal"; NULL: no log. start_us: event_loop_now_us().
+/// False: told on stderr why not.
+bool run_log_open(struct run_log *log, const char *target, uint64_t start_us);
+void run_log_close(struct run_log *log);
+
+/// event: one word. Severe ones get a higher priority in the journal.
+void run_log_event(struct run_log *log, bool severe, const char *event, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+#endif

@@ -1,0 +1,368 @@
+#include "runner.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+
+/// A drive that has not answered for so long after the start is missing.
+#define ANSWER_WITHIN_US 5000000U
+/// How often missing devices are looked for.
+#define LOOK_EVERY_US 500000U
+
+static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
+
+/// To the person on stderr and to the log.
+__attribute__((format(printf, 4, 5))) static void tell(struct runner *runner, bool severe,
+                                                       const char *event, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    message_command(runner->settings.command, "%s", text);
+    run_log_event(&runner->log, severe, event, "%s", text);
+}
+
+// ---------------------------------------------------------------- the rig
+
+static enum exit_status build_fakes(struct runner *runner) {
+    const struct sim_config config = {.controller = &runner->rig.controller,
+                                      .schedule = &runner->schedule,
+                                      .seed = 1,
+                                      .fixed_focal_mm = runner->rig.fixed_focal_mm};
+    runner->sim = sim_create(&config);
+    if (runner->sim == NULL) {
+        message_command(runner->settings.command, "no memory for the simulated devices");
+        return EXIT_STATUS_FAILURE;
+    }
+    runner->controller = &runner->sim->controller;
+    runner->pump = &runner->sim->pump;
+    return EXIT_STATUS_OK;
+}
+
+static enum exit_status build_devices(struct runner *runner) {
+    const enum exit_status status = rig_devices_open(&runner->devices, &runner->rig);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    runner->devices_open = true;
+    runner->controller = &runner->real_controller;
+    runner->pump = &runner->real_pump;
+    if (!controller_init(runner->controller, &runner->rig.controller) ||
+        !pump_init(runner->pump, runner->controller, &runner->devices.pump)) {
+        message_at(runner->rig.ini.file, 0, "the controller can't work with these settings");
+        return EXIT_STATUS_USAGE;
+    }
+    return EXIT_STATUS_OK;
+}
+
+/// Controller and devices of runner->rig.
+static enum exit_status build(struct runner *runner) {
+    runner->rig.controller.arm_on_start =
+        runner->rig.controller.arm_on_start || runner->settings.arm;
+    runner->told_mode = MODE_STARTING;
+    runner->told_faults = 0;
+    runner->starting_since_us = event_loop_now_us();
+    const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    return rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
+}
+
+static void dismantle(struct runner *runner) {
+    rig_lines_close(&runner->lines);
+    if (runner->devices_open) {
+        rig_devices_close(&runner->devices);
+        runner->devices_open = false;
+    }
+    sim_destroy(runner->sim);
+    runner->sim = NULL;
+}
+
+// ---------------------------------------------------------------- between the ticks
+
+static void take_targets(struct runner *runner) {
+    const uint64_t elapsed_us =
+        (runner->loop.ticks - runner->source_since_ticks) * runner->loop.tick_us;
+    struct target_update update;
+    while (
+        runner->has_source && target_source_next(&runner->source, elapsed_us, &update) &&
+        (runner->sim != NULL ? sim_push(runner->sim, &update) : pump_push(runner->pump, &update))) {
+        target_source_taken(&runner->source);
+    }
+}
+
+/// The mode, and why, whenever it changes.
+static void tell_mode(struct runner *runner) {
+    const struct controller *controller = runner->controller;
+    if (controller->mode == runner->told_mode && controller->faults == runner->told_faults) {
+        return;
+    }
+    runner->told_mode = controller->mode;
+    runner->told_faults = controller->faults;
+    const bool faulted = controller->faults != 0U;
+    tell(runner, faulted, faulted ? "fault" : "mode", "%s%s%s%s%s",
+         controller_mode_name(controller->mode), faulted ? ": " : "",
+         faulted ? axis_names[controller->fault_axis % AXIS_COUNT] : "", faulted ? ": " : "",
+         faulted ? controller_fault_name(controller->faults) : "");
+}
+
+/// Is every powered axis at rest?
+static bool stands_still(const struct controller *controller) {
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (controller->powered[axis] && !limiter_at_rest(&controller->limiter[axis])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void stop_for_good(struct runner *runner) {
+    pump_command(runner->pump, COMMAND_STOP);
+    runner->stopping = true;
+}
+
+static void begin_reload(struct runner *runner) {
+    if (runner->reloading || runner->stopping) {
+        return;
+    }
+    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK) {
+        tell(runner, true, "reload", "%s is not used: the rig stays as it was",
+             runner->settings.rig_file);
+        rig_free(&runner->next_rig);
+        return;
+    }
+    if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
+        tell(runner, true, "reload", "tick_us can't change while it runs: the rig stays as it was");
+        rig_free(&runner->next_rig);
+        return;
+    }
+    runner->reloading = true;
+    pump_command(runner->pump, COMMAND_STOP);
+}
+
+/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
+static enum exit_status finish_reload(struct runner *runner) {
+    dismantle(runner);
+    rig_free(&runner->rig);
+    runner->rig = runner->next_rig;
+    memset(&runner->next_rig, 0, sizeof runner->next_rig);
+    runner->reloading = false;
+    runner->reloads++;
+    // The controller has forgotten its targets; a recording has them, a live stream sends new ones.
+    if (runner->has_source && runner->source.is_recording) {
+        target_source_close(&runner->source);
+        runner->has_source = target_source_open(&runner->source, runner->settings.targets);
+        runner->source_since_ticks = runner->loop.ticks;
+    }
+    tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
+    return build(runner);
+}
+
+static void take_signals(struct runner *runner, uint32_t raised) {
+    if ((raised & EVENT_LOOP_END) != 0U && !runner->stopping) {
+        run_log_event(&runner->log, false, "end", "interrupted");
+        stop_for_good(runner);
+    }
+    if ((raised & EVENT_LOOP_RELOAD) != 0U) {
+        begin_reload(runner);
+    }
+    if ((raised & EVENT_LOOP_REARM) != 0U && !runner->stopping && !runner->reloading) {
+        run_log_event(&runner->log, false, "rearm", "by SIGUSR1");
+        runner->line_stopped = runner->stop_pressed;
+        pump_command(runner->pump, COMMAND_ARM);
+    }
+}
+
+// ---------------------------------------------------------------- switches
+
+/// A stop wins over every arm command, so as long as the emergency stop is pressed nothing arms.
+static void look_at_lines(struct runner *runner) {
+    const struct rig_lines_state state = rig_lines_read(&runner->lines, event_loop_now_us());
+    if (state.lost != NULL) {
+        tell(runner, true, "device", "%s", state.lost);
+        runner->device_failed = true;
+    }
+    if (state.pressed != NULL) {
+        tell(runner, true, "switch", "%s is pressed", state.pressed);
+        runner->line_stopped = true;
+    }
+    if (runner->stop_pressed && !state.stop) {
+        tell(runner, false, "switch", "emergency stop is released");
+    }
+    runner->stop_pressed = state.stop;
+    if (state.stop || state.pressed != NULL) {
+        pump_command(runner->pump, COMMAND_STOP);
+    }
+}
+
+static void set_enable(struct runner *runner) {
+    bool powered = false;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        powered = powered || runner->controller->powered[axis];
+    }
+    rig_lines_enable(&runner->lines, powered);
+}
+
+// ---------------------------------------------------------------- devices that fail
+
+/// A drive that never answers is as missing as an interface.
+static void look_for_answers(struct runner *runner, uint64_t now_us) {
+    const struct controller *controller = runner->controller;
+    if (controller->mode != MODE_STARTING ||
+        now_us - runner->starting_since_us < ANSWER_WITHIN_US) {
+        return;
+    }
+    runner->starting_since_us = now_us;
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        const struct drive_config *drive = &runner->rig.controller.axis[axis].drive;
+        if (drive->kind == DRIVE_RMD && !controller->drive[axis].ready) {
+            runner->device_failed = true;
+            tell(runner, true, "device",
+                 "%s: drive %u does not answer; is it powered, its id and the bit rate "
+                 "right, the bus terminated?",
+                 runner->rig.bus[axis], drive->rmd.id);
+        }
+    }
+}
+
+static void look_after_devices(struct runner *runner) {
+    if (runner->sim != NULL) {
+        return;
+    }
+    rig_devices_tick(&runner->devices);
+    const char *lost = rig_devices_newly_lost(&runner->devices);
+    if (lost != NULL) {
+        tell(runner, true, "device", "%s", lost);
+        runner->device_failed = true;
+        pump_command(runner->pump, COMMAND_STOP);
+    }
+    const uint64_t now_us = event_loop_now_us();
+    if (now_us - runner->looked_us < LOOK_EVERY_US) {
+        return;
+    }
+    runner->looked_us = now_us;
+    look_for_answers(runner, now_us);
+    if (rig_devices_incomplete(&runner->devices) && rig_devices_mend(&runner->devices)) {
+        runner->device_failed = false;
+        tell(runner, false, "device", "all devices are there again");
+    }
+}
+
+// ---------------------------------------------------------------- the loop
+
+/// Once all stands still: is it over, and with which status?
+static bool is_over(const struct runner *runner, enum exit_status *status) {
+    const struct controller *controller = runner->controller;
+    const bool faulted = controller->mode == MODE_FAULTED;
+    const bool failed = faulted || runner->device_failed || runner->line_stopped;
+    if (!runner->stopping && !(failed && !runner->settings.stay)) {
+        return false;
+    }
+    if (controller->mode == MODE_TRACKING || controller->mode == MODE_SETTLING ||
+        !stands_still(controller)) {
+        return false;
+    }
+    *status = runner->device_failed             ? EXIT_STATUS_DEVICE
+              : faulted || runner->line_stopped ? EXIT_STATUS_SAFETY_STOP
+                                                : EXIT_STATUS_OK;
+    return true;
+}
+
+static void step(struct runner *runner, uint64_t due) {
+    if (runner->sim == NULL) {
+        // A tick that was missed is past: the controller is told the time, not the number.
+        pump_step(runner->pump);
+        runner->steps++;
+        return;
+    }
+    for (uint64_t i = 0; i < due; i++) { // the simulator's time keeps up with the clock
+        sim_step(runner->sim);
+        runner->steps++;
+    }
+}
+
+static enum exit_status loop(struct runner *runner) {
+    const uint64_t limit_us = runner->settings.limit_us;
+    enum exit_status status = EXIT_STATUS_OK;
+    while (status == EXIT_STATUS_OK) {
+        uint32_t raised;
+        const uint64_t due = event_loop_tick(&runner->loop, &raised);
+        if (due == 0U) {
+            message_command(runner->settings.command, "the event loop failed: %s", strerror(errno));
+            return EXIT_STATUS_FAILURE;
+        }
+        take_targets(runner);
+        take_signals(runner, raised);
+        if (limit_us != 0U && !runner->stopping &&
+            runner->loop.ticks * runner->loop.tick_us > limit_us) {
+            stop_for_good(runner);
+        }
+        look_at_lines(runner);
+        look_after_devices(runner);
+        step(runner, due);
+        set_enable(runner);
+        tell_mode(runner);
+        if (is_over(runner, &status)) {
+            return status;
+        }
+        if (runner->reloading && stands_still(runner->controller)) {
+            status = finish_reload(runner);
+        }
+    }
+    return status;
+}
+
+static enum exit_status start(struct runner *runner) {
+    const struct runner_settings *settings = &runner->settings;
+    enum exit_status status = rig_read(settings->rig_file, 0, &runner->rig);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    if (settings->targets != NULL) {
+        runner->has_source = target_source_open(&runner->source, settings->targets);
+        if (!runner->has_source) {
+            return EXIT_STATUS_USAGE;
+        }
+    }
+    return run_log_open(&runner->log, settings->log, event_loop_now_us()) ? build(runner)
+                                                                          : EXIT_STATUS_USAGE;
+}
+
+enum exit_status runner_run(struct runner *runner, const struct runner_settings *settings) {
+    memset(runner, 0, sizeof *runner);
+    runner->settings = *settings;
+    runner->loop = (struct event_loop){.epoll = -1, .timer = -1, .signals = -1};
+    runner->log.fd = -1;
+    event_loop_block_signals();
+    enum exit_status status = start(runner);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    if (runner->sim == NULL) {
+        realtime_enter(&runner->realtime);
+        if (runner->realtime.advice[0] != '\0') {
+            tell(runner, false, "realtime", "%s", runner->realtime.advice);
+        }
+    }
+    if (!event_loop_open(&runner->loop, runner->rig.controller.tick_us)) {
+        message_command(settings->command, "no event loop: %s", strerror(errno));
+        return EXIT_STATUS_FAILURE;
+    }
+    run_log_event(&runner->log, false, "start", "%s", settings->rig_file);
+    status = loop(runner);
+    run_log_event(&runner->log, false, "end", "exit status %d", (int)status);
+    return status;
+}
+
+void runner_close(struct runner *runner) {
+    realtime_leave();
+    event_loop_close(&runner->loop);
+    target_source_close(&runner->source);
+    dismantle(runner);
+    rig_free(&runner->rig);
+    rig_free(&runner->next_rig);
+    run_log_close(&runner->log);
+}

@@ -1,0 +1,60 @@
+/// What `boresight run` does: ticks by the clock, with the devices of a rig or, where the rig names
+/// fakes only, with those of the simulator.
+#ifndef LINUX_RUNNER_H
+#define LINUX_RUNNER_H
+
+#include "command.h"
+#include "event_loop.h"
+#include "realtime.h"
+#include "rig.h"
+#include "rig_devices.h"
+#include "rig_lines.h"
+#include "run_log.h"
+#include "target_source.h"
+
+#include "sim.h"
+
+struct runner_settings {
+    const char *command;  ///< for messages
+    const char *rig_file; ///< read again on SIGHUP
+    const char *targets;  ///< NULL: none
+    const char *log;      ///< as for run_log_open
+    uint64_t limit_us;    ///< 0: until interrupted
+    bool arm;             ///< whatever the rig file says
+    bool stay;            ///< a fault, a lost device do not end it
+};
+
+struct runner {
+    struct runner_settings settings;
+    struct rig rig;
+    struct rig next_rig; ///< read, to be used as soon as all stands still
+    bool reloading;
+    struct target_source source;
+    bool has_source;
+    uint64_t source_since_ticks; ///< the times of a recording count from here
+    struct schedule schedule;    ///< empty: targets come from the source
+    struct sim *sim;             ///< NULL: real devices
+    struct rig_devices devices;
+    bool devices_open;
+    struct rig_lines lines;
+    bool stop_pressed; ///< emergency stop, as long as it is
+    struct controller real_controller;
+    struct pump real_pump;
+    struct controller *controller; ///< whichever is driven
+    struct pump *pump;
+    struct event_loop loop;
+    struct realtime realtime;
+    struct run_log log;
+    enum controller_mode told_mode;
+    uint32_t told_faults;
+    bool stopping; ///< for good
+    bool device_failed, line_stopped;
+    uint64_t steps, starting_since_us, looked_us, reloads;
+};
+
+/// Runs to the end. Returns the exit status of the command, after lines on stderr. What the results
+/// are taken from stays until runner_close, which is called in any case.
+enum exit_status runner_run(struct runner *runner, const struct runner_settings *settings);
+void runner_close(struct runner *runner);
+
+#endif

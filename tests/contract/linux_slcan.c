@@ -1,0 +1,362 @@
+/// The slcan driver between two adapters that the test plays on pseudo-terminals.
+#include "linux/linux_slcan.h"
+#include "contract/support/can_suite.h"
+#include "contract/support/contract.h"
+#include "linux/linux_clock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <unistd.h>
+
+static struct linux_clock clock_;
+
+/// An adapter: it looks at the first letter of a line only, and hands frames on as text.
+struct adapter {
+    struct linux_slcan port;
+    int master;
+    char path[64];
+    bool open, refusing, flagged;
+    char line[64];
+    size_t size;
+    char heard[4096]; ///< everything that the driver sent
+    size_t heard_size;
+};
+static struct adapter a, b;
+
+static void say(struct adapter *adapter, const char *text, size_t size) {
+    CHECK_EQ(write(adapter->master, text, size), size);
+}
+
+static void obey(struct adapter *adapter, struct adapter *other) {
+    char *line = adapter->line;
+    line[adapter->size++] = '\r';
+    switch (line[0]) {
+    case '\r':
+        break;
+    case 'C':
+        adapter->open = false;
+        say(adapter, "\r", 1);
+        break;
+    case 'O':
+        adapter->open = true;
+        say(adapter, "\r", 1);
+        break;
+    case 'S':
+        say(adapter, adapter->open ? "\a" : "\r", 1);
+        break;
+    case 'F':
+        say(adapter, adapter->flagged ? "F2C\r" : "\a", adapter->flagged ? 4 : 1);
+        break;
+    default:
+        if (!adapter->open || adapter->refusing) {
+            say(adapter, "\a", 1);
+            break;
+        }
+        say(adapter, line[0] == 't' || line[0] == 'r' ? "z\r" : "Z\r", 2);
+        if (other->open) {
+            say(other, line, adapter->size);
+        }
+    }
+    adapter->size = 0;
+}
+
+static void serve(struct adapter *adapter, struct adapter *other) {
+    char bytes[256];
+    const ssize_t count = read(adapter->master, bytes, sizeof bytes);
+    CHECK(count > 0 || errno == EAGAIN || errno == EIO);
+    for (ssize_t i = 0; i < count; i++) {
+        if (adapter->heard_size < sizeof adapter->heard - 1U) {
+            adapter->heard[adapter->heard_size++] = bytes[i];
+        }
+        if (bytes[i] == '\r') {
+            obey(adapter, other);
+        } else if (adapter->size < sizeof adapter->line - 1U) {
+            adapter->line[adapter->size++] = bytes[i];
+        }
+    }
+}
+
+/// Until nothing has come for a millisecond.
+static void settle(void *context) {
+    (void)context;
+    struct pollfd ends[] = {{.fd = a.master, .events = POLLIN}, {.fd = b.master, .events = POLLIN}};
+    while (poll(ends, 2, 1) > 0 && ((ends[0].revents | ends[1].revents) & POLLIN) != 0) {
+        serve(&a, &b);
+        serve(&b, &a);
+    }
+}
+
+static void plug_in(struct adapter *adapter) {
+    linux_slcan_close(&adapter->port);
+    if (adapter->master >= 0) {
+        close(adapter->master);
+    }
+    *adapter = (struct adapter){.master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)};
+    if (adapter->master < 0 || grantpt(adapter->master) != 0 || unlockpt(adapter->master) != 0 ||
+        ptsname_r(adapter->master, adapter->path, sizeof adapter->path) != 0) {
+        perror("no pseudo-terminal");
+        exit(2);
+    }
+    CHECK_EQ(linux_slcan_open(&adapter->port, adapter->path, 1000000, &clock_.hal), HAL_OK);
+}
+
+static void reset(void *context) {
+    (void)context;
+    plug_in(&a);
+    plug_in(&b);
+    settle(NULL);
+    CHECK(a.open && b.open);
+}
+
+// ---------------------------------------------------------------- the text
+
+/// What the driver has said since the last time.
+static void expect_heard(struct adapter *adapter, const char *wanted) {
+    settle(NULL);
+    adapter->heard[adapter->heard_size] = '\0';
+    if (!CHECK(strcmp(adapter->heard, wanted) == 0)) {
+        printf("  heard %s\n", adapter->heard);
+    }
+    adapter->heard_size = 0;
+}
+
+/// The first frames of each are those of python-can's slcan interface, as recorded.
+static void text_of_frames(void) {
+    static const struct {
+        struct can_frame frame;
+        const char *text;
+    } cases[] = {
+        {{0x141, 0, 8, {0xA4, 0, 0xF4, 0x01, 0xA0, 0x8C, 0, 0}}, "t1418A400F401A08C0000\r"},
+        {{0x404, CAN_FRAME_EXTENDED, 4, {1, 2, 3, 4}}, "T00000404401020304\r"},
+        {{0x7FF, 0, 0, {0}}, "t7FF0\r"},
+        {{0x1FFFFFFF, CAN_FRAME_EXTENDED, 1, {0xAB}}, "T1FFFFFFF1AB\r"},
+        {{0x123, CAN_FRAME_REMOTE, 4, {0}}, "r1234\r"},
+        {{0x12345678, CAN_FRAME_REMOTE | CAN_FRAME_EXTENDED, 8, {0}}, "R123456788\r"},
+    };
+    reset(NULL);
+    a.heard_size = b.heard_size = 0;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        CHECK_EQ(hal_can_send(&a.port.hal, &cases[i].frame), HAL_OK);
+        expect_heard(&a, cases[i].text);
+        struct can_frame got;
+        uint32_t at_us;
+        CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_OK);
+        CHECK(can_frame_equal(&got, &cases[i].frame));
+    }
+}
+
+static void text_of_opening_and_closing(void) {
+    reset(NULL);
+    a.heard[a.heard_size] = '\0';
+    CHECK(strcmp(a.heard, "\r\rC\rS8\rO\rF\r") == 0);
+    a.heard_size = 0;
+    linux_slcan_close(&a.port);
+    expect_heard(&a, "C\r");
+    CHECK(!a.open);
+    CHECK_EQ(linux_slcan_open(&a.port, a.path, 125000, &clock_.hal), HAL_OK);
+    expect_heard(&a, "\r\rC\rS4\rO\rF\r");
+}
+
+/// Lower case, time stamps; and what is no frame, of which nothing comes.
+static void text_that_is_received(void) {
+    reset(NULL);
+    static const char good[] = "t12340a0B0c0D\rT18DAF11081122334455667788\rr1230\rt00121122ABCD\r";
+    static const char bad[] =
+        "t\rt12\rt123\rt1239001122334455667788\rt8000\rT200000000\rt1231\r"
+        "t12310\rt1231GG\rtxyz0\rT1234567\rV1013\rt1231AA1\rt1231AA12345\r"
+        "NXXXX\r\r\rt123411223344556677889900112233445566778899001122334455\r";
+    struct can_frame got;
+    uint32_t at_us;
+    say(&a, bad, sizeof bad - 1U);
+    settle(NULL);
+    usleep(5000);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    say(&a, good, sizeof good - 1U);
+    settle(NULL);
+    usleep(5000);
+    const struct can_frame wanted[] = {
+        {0x123, 0, 4, {10, 11, 12, 13}},
+        {0x18DAF110, CAN_FRAME_EXTENDED, 8, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}},
+        {0x123, CAN_FRAME_REMOTE, 0, {0}},
+        {0x001, 0, 2, {0x11, 0x22}}};
+    for (size_t i = 0; i < 4U; i++) {
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_OK);
+        CHECK(can_frame_equal(&got, &wanted[i]));
+    }
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+}
+
+/// Any bytes at all: nothing breaks (the sanitizers watch), and a frame afterwards is understood.
+static void random_bytes(void) {
+    reset(NULL);
+    uint64_t seed = 88172645463325252;
+    struct can_frame got;
+    uint32_t at_us;
+    for (int round = 0; round < 300; round++) {
+        char bytes[64];
+        for (size_t i = 0; i < sizeof bytes; i++) {
+            static const char alphabet[] = "tTrRzZF0123456789ABCDEFabcdef\r\r\r\a\n\xff x";
+            bytes[i] = alphabet[check_random(&seed) % (sizeof alphabet - 1U)];
+        }
+        say(&a, bytes, sizeof bytes);
+        usleep(200);
+        while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
+            CHECK(can_frame_is_valid(&got));
+        }
+    }
+    say(&a, "\rt00101\r\rt0021EE\r", 17);
+    usleep(5000);
+    bool understood = false;
+    while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
+        understood = got.id == 2U && got.length == 1U && got.data[0] == 0xEE;
+    }
+    CHECK(understood);
+}
+
+// ---------------------------------------------------------------- the adapter's state
+
+static void flags_are_asked_for(void) {
+    plug_in(&a);
+    plug_in(&b);
+    a.flagged = true;
+    settle(NULL);
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    usleep(3000);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.health, HAL_CAN_PASSIVE); // 0x2C: warning, overrun, passive
+    CHECK_EQ(state.lost_count, 1);
+    a.heard_size = 0;
+    usleep(260000);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    expect_heard(&a, "F\r");
+    CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_EMPTY);
+    b.heard_size = 0;
+    usleep(260000);
+    CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_EMPTY);
+    expect_heard(&b, ""); // that one does not know the command
+}
+
+/// 32 refusals in a row: off the bus. A restart opens the channel, and nothing of before is sent.
+static void refusals_are_bus_off(void) {
+    reset(NULL);
+    const struct can_frame frame = {.id = 1};
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    a.refusing = true;
+    for (int i = 0; i < 32; i++) {
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        CHECK_EQ(state.health, HAL_CAN_ACTIVE);
+        CHECK_EQ(hal_can_send(&a.port.hal, &frame), HAL_OK);
+        settle(NULL);
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    }
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.health, HAL_CAN_OFF);
+    CHECK_EQ(state.transmit_error_count, 256);
+    CHECK_EQ(hal_can_send(&a.port.hal, &frame), HAL_ERROR_DOWN);
+    a.heard_size = 0;
+    a.refusing = false;
+    CHECK_EQ(hal_can_restart(&a.port.hal), HAL_OK);
+    expect_heard(&a, "\r\rC\rS8\rO\rF\r");
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.health, HAL_CAN_ACTIVE);
+    CHECK_EQ(hal_can_send(&a.port.hal, &frame), HAL_OK);
+    settle(NULL);
+    CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_OK);
+    CHECK(can_frame_equal(&got, &frame));
+}
+
+/// The port is full: not now; then everything that was taken arrives, whole and in order.
+static void full_port_is_busy(void) {
+    reset(NULL);
+    a.heard_size = 0;
+    uint32_t taken = 0;
+    enum hal_status status = HAL_OK;
+    while (status == HAL_OK && taken < 100000U) {
+        const struct can_frame frame = {
+            .id = 0x300, .length = 8, .data = {taken & 255U, taken >> 8 & 255U}};
+        status = hal_can_send(&a.port.hal, &frame);
+        taken += status == HAL_OK;
+    }
+    CHECK_EQ(status, HAL_BUSY);
+    CHECK(taken > 10U);
+    uint32_t arrived = 0;
+    for (int i = 0; i < 2000 && arrived < taken; i++) {
+        struct can_frame got;
+        uint32_t at_us;
+        serve(&a, &b);
+        (void)!hal_can_receive(&a.port.hal, &got, &at_us); // sends the rest of a cut line
+        usleep(100);
+        while (hal_can_receive(&b.port.hal, &got, &at_us) == HAL_OK) {
+            CHECK_EQ(got.data[0] + 256U * got.data[1], arrived);
+            arrived++;
+        }
+    }
+    CHECK_EQ(arrived, taken);
+    check_note("frames that the port takes", taken);
+}
+
+static void unplugged_and_back(void) {
+    reset(NULL);
+    struct can_frame frame = {.id = 1};
+    uint32_t at_us;
+    struct hal_can_state state;
+    close(a.master);
+    a.master = -1;
+    enum hal_status status = HAL_OK;
+    for (int i = 0; i < 10 && status != HAL_ERROR_GONE; i++) {
+        status = hal_can_send(&a.port.hal, &frame);
+    }
+    CHECK_EQ(status, HAL_ERROR_GONE);
+    CHECK(strstr(a.port.error.line, "the device has left; plug it in again") != NULL);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &frame, &at_us), HAL_ERROR_GONE);
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_ERROR_GONE);
+    CHECK_EQ(hal_can_set_filters(&a.port.hal, NULL, 0), HAL_ERROR_GONE);
+    CHECK_EQ(hal_can_restart(&a.port.hal), HAL_ERROR_GONE);
+    linux_slcan_close(&a.port);
+    CHECK_EQ(linux_slcan_open(&a.port, "/dev/ttyNONE7", 1000000, &clock_.hal), HAL_ERROR_GONE);
+    CHECK(strncmp(a.port.error.line, "/dev/ttyNONE7: no such file or device; ", 39) == 0);
+    CHECK_EQ(hal_can_send(&a.port.hal, &frame), HAL_ERROR_GONE);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &frame, &at_us), HAL_ERROR_GONE);
+    linux_slcan_close(&a.port);
+    CHECK_EQ(linux_slcan_open(&a.port, b.path, 1000000, &clock_.hal), HAL_ERROR_DENIED); // in use
+    CHECK_EQ(linux_slcan_open(&a.port, "/dev/null", 1000000, &clock_.hal), HAL_ERROR_UNSUPPORTED);
+    plug_in(&a);
+    CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_DENIED);
+    linux_slcan_close(&a.port);
+    CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_ARGUMENT);
+    CHECK(strstr(b.port.error.line, ": slcan has no bit rate of 333333; use 125000") != NULL);
+}
+
+int main(void) {
+    linux_clock_open(&clock_, UINT32_MAX - 1000000U);
+    a.master = b.master = -1;
+    a.port.serial.fd = b.port.serial.fd = -1;
+    reset(NULL);
+    // Without a clock to compare with: the text has no time of arrival.
+    can_suite(&(struct can_fixture){.name = "linux_slcan",
+                                    .a = &a.port.hal,
+                                    .b = &b.port.hal,
+                                    .reset = reset,
+                                    .settle = settle});
+    CONTRACT("linux_slcan", text_of_frames);
+    CONTRACT("linux_slcan", text_of_opening_and_closing);
+    CONTRACT("linux_slcan", text_that_is_received);
+    CONTRACT("linux_slcan", random_bytes);
+    CONTRACT("linux_slcan", flags_are_asked_for);
+    CONTRACT("linux_slcan", refusals_are_bus_off);
+    CONTRACT("linux_slcan", full_port_is_busy);
+    CONTRACT("linux_slcan", unplugged_and_back);
+    linux_slcan_close(&a.port);
+    linux_slcan_close(&b.port);
+    return check_finish();
+}

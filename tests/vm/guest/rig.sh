@@ -1,0 +1,107 @@
+# `boresight run` with a Maestro, an emergency stop, a limit switch and an enable line; `boresight probe`.
+. tests/vm/guest/check.sh
+load -a vhci-hcd gpio-sim
+mount -t configfs config /sys/kernel/config 2>/dev/null
+boresight=$VM_TESTS/gcc/boresight
+work=$(mktemp -d)
+bank=/sys/kernel/config/gpio-sim/rig
+mkdir -p $bank/bank0 && echo 8 >$bank/bank0/num_lines && echo rig-lines >$bank/bank0/label && echo 1 >$bank/live
+pins=/sys/devices/platform/$(cat $bank/dev_name)/$(cat $bank/bank0/chip_name)
+pull() { echo "$2" >"$pins/sim_gpio$1/pull"; }
+level() { cat "$pins/sim_gpio$1/value"; }
+is() { [ "$(level "$1")" = "$2" ]; }
+
+sed 's/^device = fake/device = maestro/' host-sim/rigs/hobby.ini >"$work/rig.ini"
+sed -i '/^\[tilt\]/,/^\[/ s/^channel = 1/channel = 1\nswitch_max = rig-lines:3:low/' "$work/rig.ini"
+printf 'estop = rig-lines:1\nenable = rig-lines:2\n\n[controller]\ntick_us = 10000\n' >>"$work/rig.ini"
+printf '{"id": 1, "dir": [0.5, 1, 0.2]}\n' >"$work/targets.jsonl"
+
+start() { # ARGUMENT...
+    "$boresight" run "$work/rig.ini" --json --seconds 300 --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
+    runner=$!
+}
+says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
+plug() {
+    "$VM_TESTS/gcc/tests/vm/plug_maestro" "$work/maestro" &
+    maestro=$!
+}
+unplug() {
+    kill -TERM $maestro
+    wait $maestro
+}
+# Pulses of hobby.ini: 11.111 us a degree around 1500 us, in quarter microseconds.
+pulse_for() { awk -v deg="$1" 'BEGIN { printf "%d", (1500 + deg * 1333.333333 / 120) * 4 + 0.5 }'; }
+gives() { # PAN_DEG TILT_DEG
+    read -r pan tilt _ <"$work/maestro" && [ $((pan - $(pulse_for "$1"))) -ge -1 ] && [ $((pan - $(pulse_for "$1"))) -le 1 ] &&
+        [ $((tilt - $(pulse_for "$2"))) -ge -1 ] && [ $((tilt - $(pulse_for "$2"))) -le 1 ]
+}
+
+# The resistors are on the outside here: a request for a pull would move the simulated pin.
+pull 1 pull-down # the emergency stop is closed
+pull 3 pull-up
+start --arm
+wait $runner
+[ $? -eq 4 ] && says 'Maestro 1ffb:0089: no such USB device; '
+verdict rig.no_maestro_is_status_4 $? "$work/run.err"
+is 2 0
+verdict rig.nothing_is_enabled_without_it $?
+plug
+until_true 10 grep -qs 1ffb /sys/bus/usb/devices/*/idVendor
+sleep 0.5
+start --arm --stay
+until_true 10 says 'run: tracking'
+is 2 1
+verdict rig.enable_line_is_active_while_powered $? "$work/run.err"
+# atan2(0.5, 1) and asin(0.2 / |(0.5, 1, 0.2)|)
+until_true 10 gives 26.5651 10.1421
+verdict rig.maestro_gets_the_pulses_of_the_aim $? "$work/maestro" "$work/run.err"
+
+pull 1 pull-up # pressed: or its wire is broken
+until_true 5 says 'run: stopped' && says 'emergency stop is pressed'
+verdict rig.emergency_stop_stops $? "$work/run.err"
+kill -USR1 $runner
+sleep 0.5
+! says 'run: tracking' 2
+verdict rig.nothing_arms_while_it_is_pressed $? "$work/run.err"
+pull 1 pull-down
+until_true 5 says 'emergency stop is released'
+sleep 0.3
+! says 'run: tracking' 2
+verdict rig.its_release_does_not_arm $? "$work/run.err"
+kill -USR1 $runner
+until_true 10 says 'run: tracking' 2
+verdict rig.a_person_arms_again $? "$work/run.err"
+
+pull 3 pull-down
+until_true 5 says 'tilt switch_max is pressed' && until_true 5 says 'run: stopped' 2
+verdict rig.limit_switch_stops $? "$work/run.err"
+pull 3 pull-up
+kill -USR1 $runner
+until_true 10 says 'run: tracking' 3
+
+unplug
+until_true 10 says 'Maestro 1ffb:0089: the device has left'
+verdict rig.tells_that_the_maestro_has_left $? "$work/run.err"
+plug
+until_true 20 says 'all devices are there again'
+verdict rig.opens_it_again $? "$work/run.err"
+kill -USR1 $runner
+until_true 10 says 'run: tracking' 4 && until_true 10 gives 26.5651 10.1421
+verdict rig.goes_on_where_it_was $? "$work/maestro" "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ]
+verdict rig.ends_well $? "$work/run.err"
+until_true 2 is 2 0
+verdict rig.enable_line_is_let_go $?
+
+start --arm
+until_true 10 says 'run: tracking'
+pull 1 pull-up
+wait $runner
+[ $? -eq 5 ]
+verdict rig.emergency_stop_is_status_5 $? "$work/run.err"
+
+unplug
+echo 0 >$bank/live
+rmdir $bank/bank0 $bank

@@ -1,0 +1,155 @@
+# `boresight run` on SocketCAN against the simulator's drives in another process, with can-utils and python3-can as
+# witnesses that share no code with either.
+. tests/vm/guest/check.sh
+load -a vcan can_raw
+boresight=$VM_TESTS/gcc/boresight
+work=$(mktemp -d)
+# Slow ticks and long patience: the emulated machine has no real time.
+{
+    sed 's/^bus = fake/bus = can:vcan0/; s/^silence_ms.*/silence_ms = 400/; s/^watchdog_ms.*/watchdog_ms = 0/
+        s/^heading_deg.*/heading_deg = 0/' \
+        host-sim/rigs/studio.ini
+    printf '\n[controller]\ntick_us = 4000\n'
+} >"$work/rig.ini"
+printf '[scenario]\nname = served\nrig = rig.ini\nseconds = 1\ntick_us = 4000\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
+: >"$work/none.jsonl"
+# Three points whose cone's axis has a closed form: the middle of the two outer ones.
+cat >"$work/targets.jsonl" <<'END'
+{"t_us": 0, "id": 1, "dir": [0.5, 0.8, 0.2]}
+{"t_us": 0, "id": 2, "dir": [0.1, 0.9, 0.1]}
+{"t_us": 0, "id": 3, "dir": [0.3, 0.8, 0.15]}
+END
+sed 's/.*\[\(.*\)\].*/\1/; s/,//g' "$work/targets.jsonl" >"$work/points"
+
+bus_up() { ip link add dev vcan0 type vcan && ip link set vcan0 up; }
+# fact FILE NAME: a value of the one JSON object.
+fact() { sed -n "s/.*\"$2\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$1"; }
+# near A B TOLERANCE
+near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN { d = a - b; exit !(a != "" && b != "" && d <= t && -d <= t) }'; }
+serve() {
+    "$boresight" sim "$work/served.ini" --serve can:vcan0 --json >"$work/serve.json" 2>"$work/serve.err" &
+    server=$!
+}
+end_serve() {
+    kill -INT $server
+    wait $server
+}
+drive() { # ARGUMENT...
+    "$boresight" run "$work/rig.ini" --json --log "$work/log" "$@" >"$work/run.json" 2>"$work/run.err"
+}
+
+# ---------------------------------------------------------------- the closed loop, and its witnesses
+drive --seconds 1
+[ $? -eq 4 ] && grep -q 'vcan0: no such interface; ' "$work/run.err"
+verdict run.no_interface_is_status_4 $? "$work/run.err"
+bus_up
+timeout 600 candump -L vcan0 >"$work/candump" &
+witness=$!
+timeout 600 python3 tests/vm/guest/witness.py vcan0 >"$work/python" 2>&1 &
+python=$!
+until_true 200 grep -q listening "$work/python"
+serve
+drive --arm --targets "$work/targets.jsonl" --seconds 5
+status=$?
+end_serve
+served=$?
+kill $witness $python
+wait $python
+[ $status -eq 0 ] && [ $served -eq 0 ]
+verdict run.closed_loop_ends_well $? "$work/run.err" "$work/serve.err" "$work/run.json"
+"$boresight" aim --json "$work/points" >"$work/aim.json"
+for axis in pan_deg tilt_deg; do
+    wanted=$(fact "$work/aim.json" $axis)
+    near "$(fact "$work/run.json" $axis)" "$wanted" 0.05 && near "$(fact "$work/serve.json" $axis)" "$wanted" 0.05
+    verdict run.closed_loop_aims_$axis $? "$work/aim.json" "$work/run.json" "$work/serve.json"
+    near "$(fact "$work/python" $axis)" "$wanted" 0.02
+    verdict run.python_can_saw_$axis $? "$work/python"
+done
+[ "$(fact "$work/serve.json" violations)" = 0 ] && [ "$(fact "$work/serve.json" frames_lost)" = 0 ]
+verdict run.plant_kept_its_limits $? "$work/serve.json"
+# All that went over the bus was seen: requests as many as the drives got, replies as many as they gave.
+seen() { grep -c " $1" "$work/candump"; }
+requests=$(($(seen '14[12]#')))
+replies=$(($(seen '24[12]#')))
+[ "$requests" -eq "$(fact "$work/serve.json" frames_in)" ] && [ "$replies" -eq "$(fact "$work/serve.json" frames_out)" ] &&
+    [ "$requests" -gt 200 ]
+verdict run.candump_saw_every_frame $? "$work/serve.json"
+! grep -vqE ' (14|24)[12]#[0-9A-F]{16}$' "$work/candump"
+verdict run.candump_saw_nothing_else $?
+for name in late_us_p50 late_us_p99 late_us_p999 late_us_max missed_ticks realtime_priority; do
+    echo "# closed loop in the emulator: $name $(fact "$work/run.json" $name)"
+done
+[ "$(fact "$work/run.json" realtime_priority)" = true ] && [ "$(fact "$work/run.json" locked_memory)" = true ]
+verdict run.root_gets_real_time $? "$work/run.json"
+grep -q '"event": "mode", "text": "tracking"' "$work/log"
+verdict run.log_tells_the_mode $? "$work/log"
+
+# ---------------------------------------------------------------- drives and interface that fail
+drive --arm --seconds 20
+[ $? -eq 4 ] && grep -q 'can:vcan0: drive 1 does not answer' "$work/run.err"
+verdict run.silent_drives_at_the_start_are_status_4 $? "$work/run.err"
+
+in_background() { # ARGUMENT...
+    "$boresight" run "$work/rig.ini" --json "$@" >"$work/run.json" 2>"$work/run.err" &
+    runner=$!
+}
+tracks() { [ "$(grep -c 'run: tracking' "$work/run.err")" -ge "$1" ]; }
+serve
+in_background --arm --targets "$work/targets.jsonl"
+until_true 10 tracks 1
+kill -STOP $server
+wait $runner
+[ $? -eq 5 ] && grep -q 'faulted: .*: a drive does not answer' "$work/run.err"
+verdict run.drives_that_fall_silent_are_status_5 $? "$work/run.err"
+kill -CONT $server
+
+in_background --arm --targets "$work/targets.jsonl" --stay
+until_true 10 tracks 1
+kill -STOP $server
+until_true 10 grep -q 'faulted' "$work/run.err"
+kill -CONT $server
+sleep 1
+! tracks 2
+verdict run.a_fault_stays_until_rearmed $? "$work/run.err"
+kill -USR1 $runner
+until_true 10 tracks 2
+verdict run.rearmed_by_sigusr1 $? "$work/run.err"
+
+sed -i 's/^speed_max_dps = 90/speed_max_dps = 45/' "$work/rig.ini"
+kill -HUP $runner
+until_true 10 tracks 3
+verdict run.reloads_on_sighup $? "$work/run.err"
+echo 'nonsense' >>"$work/rig.ini"
+kill -HUP $runner
+until_true 5 grep -q 'the rig stays as it was' "$work/run.err"
+verdict run.keeps_its_rig_when_the_new_one_is_bad $? "$work/run.err"
+sed -i '$d' "$work/rig.ini"
+
+ip link del vcan0
+until_true 5 grep -q 'vcan0: the interface has gone' "$work/run.err"
+verdict run.tells_of_an_interface_that_leaves $? "$work/run.err"
+wait $server
+[ $? -eq 4 ]
+verdict run.serve_ends_with_status_4 $? "$work/serve.err"
+bus_up
+serve
+until_true 10 grep -q 'all devices are there again' "$work/run.err"
+verdict run.opens_an_interface_that_returns $? "$work/run.err"
+sleep 1
+kill -USR1 $runner
+until_true 10 tracks 4
+verdict run.tracks_again $? "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ]
+verdict run.survived_it_all $? "$work/run.err" "$work/run.json"
+end_serve
+
+serve
+in_background --arm --targets "$work/targets.jsonl"
+until_true 10 tracks 1
+ip link del vcan0
+wait $runner
+[ $? -eq 4 ]
+verdict run.a_lost_interface_is_status_4 $? "$work/run.err"
+wait $server

@@ -1,0 +1,5 @@
+# USB by libusb: an emulated Maestro in the kernel's virtual host controller.
+. tests/vm/guest/check.sh
+load vhci-hcd
+"$VM_TESTS/gcc/tests/vm/linux_usb"
+verdict usb.linux_usb_ended_well $?

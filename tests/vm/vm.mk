@@ -1,0 +1,17 @@
+# The tests in the virtual machine. tests/README.md explains it.
+
+# Groups (tests/vm/guest/GROUP.sh), in the order in which they run.
+vm_groups := can gpio usb run rig
+vm_programs := $(vm_test_c:%.c=$(B)/gcc/%)
+
+# Without what it needs they are skipped, by name.
+.PHONY: need-vm check-vm check-vm-run
+need-vm: | need-check
+	@.ci/need vm || true
+$(B)/check/vm.log: $(vm_programs) $(B)/boresight FORCE
+	@tests/run.sh $@ sh tests/vm/run.sh $(vm_groups)
+check-vm: need-vm ## Run the tests of hardware on a real kernel in a virtual machine
+	@$(MAKE) --no-print-directory check-vm-run
+check-vm-run: $(B)/check/vm.log
+	@cat $<
+	@tests/summary.sh $<
