@@ -1,5 +1,6 @@
 #include "sphere/certify.h"
 
+#include "sphere/cone_answer.h"
 #include "sphere/site.h"
 #include "sphere/witness.h"
 
@@ -42,6 +43,17 @@ bool certify_support(const struct vec3 *points, uint32_t count, const uint32_t *
                                 ? site_cap_sign(&s[0], &s[1], &x) <= 0
                                 : outward * site_plane_sign(&s[0], &s[1], &s[2], &x) >= 0;
         if (!inside) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool certify_held(const struct vec3 *points, uint32_t count, const struct min_norm *support) {
+    struct min_norm held = *support;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct min_norm_point point = cone_point(points, i);
+        if (min_norm_violated_by(&held, &point)) {
             return false;
         }
     }

@@ -1,13 +1,13 @@
 /// Exact certificates of a narrowest cone: does the named support, or the named witness, prove the
 /// answer?
 ///
-/// The methods that decide on the true directions (all but the pivot solver, which decides on
-/// Q2.61) check their own answers with these where BORESIGHT_DEBUG is defined (the sanitizers'
-/// build), and trap if one fails.
+/// Where BORESIGHT_DEBUG is defined (the sanitizers' build), every method checks its own answers
+/// with these, and traps if one fails.
 #ifndef SPHERE_CERTIFY_H
 #define SPHERE_CERTIFY_H
 
 #include "fixed/vec3.h"
+#include "sphere/min_norm.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,6 +21,10 @@
 /// Shown:     tests/property/methods.c, also that it refuses wrong supports.
 bool certify_support(const struct vec3 *points, uint32_t count, const uint32_t *support,
                      uint32_t support_count);
+
+/// The same for what the pivot solver finds: no point, normalised to Q2.61, lies beyond the plane
+/// of its support. Exact for the normalised points.
+bool certify_held(const struct vec3 *points, uint32_t count, const struct min_norm *support);
 
 /// Do these two to four points surround the viewpoint, each with a positive weight? Exact.
 bool certify_witness(const struct vec3 *points, const uint32_t *witness, uint8_t witness_count);

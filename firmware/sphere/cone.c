@@ -1,6 +1,7 @@
 #include "sphere/cone.h"
 
 #include "fixed/root.h"
+#include "sphere/certify.h"
 #include "sphere/cone_answer.h"
 #include "sphere/cone_filter.h"
 #include "sphere/feasible.h"
@@ -443,6 +444,10 @@ enum cone_status cone_narrowest(const struct vec3 *points, uint32_t count,
     } else {
         status = settle_feasibility(&search, outcome == SURROUNDED, result);
     }
+    CERTIFY(status != CONE_INFEASIBLE ||
+            certify_witness(points, result->witness, result->witness_count));
+    CERTIFY(status != CONE_OK || outcome == SURROUNDED ||
+            certify_held(points, count, &search.support));
     if (status == CONE_OK) {
         const uint32_t farthest =
             count <= FEW_POINTS ? farthest_of_few(&search) : find_farthest(&search);

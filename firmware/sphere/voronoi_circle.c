@@ -22,7 +22,8 @@ static uint32_t apex_of(const struct voronoi_triangle *triangle, uint32_t a, uin
 /// Does the edge of the farthest-point diagram between two sites hold their midpoint? Then no site
 /// lies outside the circle on the diameter between them. The edge's ends tell: they lie on either
 /// side of the midpoint if the third sites of both are inside that circle. If both lie on it, the
-/// midpoint is itself a vertex, or the opposite of one.
+/// midpoint is itself a vertex, or the opposite of one. (Opposite sites have no midpoint, all
+/// others on that circle, and no triangle that is seen from zero.)
 static bool edge_holds_midpoint(const struct voronoi_mesh *mesh, uint32_t t, unsigned i) {
     const struct voronoi_triangle *const here = &mesh->triangle[t];
     const uint32_t across = here->next[i], a = here->site[(i + 1U) % 3U],
@@ -33,13 +34,8 @@ static bool edge_holds_midpoint(const struct voronoi_mesh *mesh, uint32_t t, uns
         return false;
     }
     const int other = site_cap_sign(&s[a], &s[b], &s[apex_of(&mesh->triangle[across], a, b)]);
-    if (other > 0 ||
-        (one == 0 && other == 0 && !seen_from_zero(mesh, t) && !seen_from_zero(mesh, across))) {
-        return false;
-    }
-    // Opposite sites have no midpoint.
-    const struct vec3_i64 cross = vec3_cross(s[a].vector, s[b].vector);
-    return (cross.x | cross.y | cross.z) != 0;
+    return other <= 0 &&
+           (one < 0 || other < 0 || seen_from_zero(mesh, t) || seen_from_zero(mesh, across));
 }
 
 /// The smallest of the circles around such vertices is that whose vertex lies among its own sites,
