@@ -55,7 +55,9 @@ void places_finish(struct points *points, bool from_text, int32_t most) {
         return;
     }
     if (lowest == INT32_MAX) { // all zero
-        memset(points->directions, 0, points->count * sizeof *points->directions);
+        for (uint32_t i = 0; i < points->count; i++) {
+            points->directions[i] = vec3(0, 0, 0);
+        }
         return;
     }
     if (highest - lowest <= 10 && scale(points, -lowest, 1, most)) {
