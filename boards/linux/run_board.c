@@ -210,6 +210,10 @@ static enum exit_status find_trouble(struct board_run *run, uint64_t now_us) {
         return complain(run, "the board has fallen silent",
                         "was it unplugged or reset? It stops by itself half a second later");
     }
+    if (now_us - run->link.told_us > SILENCE_US) { // it answers, and tells us nothing
+        return complain(run, "the board has let go of this program",
+                        "it was reset, or did not hear from here for half a second");
+    }
     if (run->link.command == BOARD_LINK_LOST) {
         return complain(run, "a command was never answered", "is the line disturbed?");
     }
@@ -230,7 +234,7 @@ static void begin_stop(struct board_run *run, uint64_t now_us) {
 }
 
 static enum exit_status drive(struct board_run *run) {
-    run->start_us = clock_us();
+    run->start_us = run->link.told_us = clock_us();
     for (;;) {
         const uint64_t now_us = serve(run);
         const uint64_t limit_us = run->options->limit_us;
