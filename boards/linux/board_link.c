@@ -178,6 +178,9 @@ static void take_status(struct board_link *link, struct word body, uint64_t now_
     copy(status.held, sizeof status.held, words.at + more, (size_t)(words.end - words.at - more));
     link->status = status;
     link->status_count++;
+    const uint64_t gap_us = now_us - link->told_us;
+    link->gap_us_max =
+        link->status_count > 1U && gap_us > link->gap_us_max ? gap_us : link->gap_us_max;
     link->told_us = now_us;
 }
 

@@ -291,6 +291,7 @@ static void print_summary(const struct board_run *run) {
     const double count = run->error_count != 0U ? (double)run->error_count : 1.0;
     facts_fixed(&facts, "aim_error_rms_deg", sqrt(run->error_sum / count), 4);
     facts_u64(&facts, "status_lines", link->status_count);
+    facts_u64(&facts, "status_gap_ms_max", link->gap_us_max / 1000U);
     facts_u64(&facts, "target_lines_sent", link->target_lines_sent);
     facts_u64(&facts, "lines_taken", status->taken);
     facts_u64(&facts, "lines_damaged", status->damaged + link->splitter.damaged);
