@@ -8,7 +8,7 @@ void board_link_init(struct board_link *link, const struct hal_serial *serial, u
     memset(link, 0, sizeof *link);
     link->serial = serial;
     link->host = host;
-    link->heard_us = link->paced_us = now_us;
+    link->heard_us = link->told_us = link->paced_us = now_us;
     link->bytes_a_second = baud / 10U;
     line_splitter_init(&link->splitter);
     board_clock_init(&link->clock);
@@ -159,7 +159,7 @@ static bool read_mode(struct words *words, enum controller_mode *mode) {
     return false;
 }
 
-static void take_status(struct board_link *link, struct word body) {
+static void take_status(struct board_link *link, struct word body, uint64_t now_us) {
     struct board_link_status status = {0};
     struct words words = words_of(body.text, body.size_bytes);
     struct word time;
@@ -178,6 +178,10 @@ static void take_status(struct board_link *link, struct word body) {
     copy(status.held, sizeof status.held, words.at + more, (size_t)(words.end - words.at - more));
     link->status = status;
     link->status_count++;
+    const uint64_t gap_us = now_us - link->told_us;
+    link->gap_us_max =
+        link->status_count > 1U && gap_us > link->gap_us_max ? gap_us : link->gap_us_max;
+    link->told_us = now_us;
 }
 
 static void take_line(struct board_link *link, uint64_t now_us) {
@@ -197,7 +201,7 @@ static void take_line(struct board_link *link, uint64_t now_us) {
         take_answer(link, line);
         break;
     case 'S':
-        take_status(link, line->body);
+        take_status(link, line->body, now_us);
         break;
     default:
         break;

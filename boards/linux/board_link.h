@@ -52,6 +52,8 @@ struct board_link {
     struct board_link_status status;
     uint32_t status_count;
     uint64_t heard_us;       ///< a good line
+    uint64_t told_us;        ///< a status: only the owner of the board gets them
+    uint64_t gap_us_max;     ///< longest time between two of them
     uint64_t bytes_received; ///< of any kind
     uint32_t lines_sent, target_lines_sent;
     // A command.

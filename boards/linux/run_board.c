@@ -210,6 +210,10 @@ static enum exit_status find_trouble(struct board_run *run, uint64_t now_us) {
         return complain(run, "the board has fallen silent",
                         "was it unplugged or reset? It stops by itself half a second later");
     }
+    if (now_us - run->link.told_us > SILENCE_US) { // it answers, and tells us nothing
+        return complain(run, "the board has let go of this program",
+                        "it was reset, or did not hear from here for half a second");
+    }
     if (run->link.command == BOARD_LINK_LOST) {
         return complain(run, "a command was never answered", "is the line disturbed?");
     }
@@ -230,7 +234,7 @@ static void begin_stop(struct board_run *run, uint64_t now_us) {
 }
 
 static enum exit_status drive(struct board_run *run) {
-    run->start_us = clock_us();
+    run->start_us = run->link.told_us = clock_us();
     for (;;) {
         const uint64_t now_us = serve(run);
         const uint64_t limit_us = run->options->limit_us;
@@ -287,6 +291,7 @@ static void print_summary(const struct board_run *run) {
     const double count = run->error_count != 0U ? (double)run->error_count : 1.0;
     facts_fixed(&facts, "aim_error_rms_deg", sqrt(run->error_sum / count), 4);
     facts_u64(&facts, "status_lines", link->status_count);
+    facts_u64(&facts, "status_gap_ms_max", link->gap_us_max / 1000U);
     facts_u64(&facts, "target_lines_sent", link->target_lines_sent);
     facts_u64(&facts, "lines_taken", status->taken);
     facts_u64(&facts, "lines_damaged", status->damaged + link->splitter.damaged);

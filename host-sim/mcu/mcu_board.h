@@ -2,8 +2,8 @@
 /// transceiver on the simulated bus, its servo outputs to the servos, its switches closed, its
 /// console to a file.
 ///
-/// `struct sim_board` (sim.h) drives it. Targets and commands go in by the probe (probe.h); once
-/// the images have a host link, `push` and `command` in mcu_board.c are where lines go out instead.
+/// `struct sim_board` (sim.h) drives it. A scenario's targets and commands go in by the probe
+/// (probe.h); whoever opens the pseudo-terminal (serial_pty.h) is at the board's serial line.
 /// Faults of docs/safety.md that concern the board are switched on here, at a time.
 /// Shown: tests/mcu/board.c, tests/mcu/faults.c, tests/mcu/sim.sh.
 #ifndef MCU_MCU_BOARD_H

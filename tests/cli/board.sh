@@ -31,20 +31,36 @@ told() { grep -qF -- "$1" "$dir/err"; }
 make_rig "board = serial:$tty"
 board board
 
+# In real time, on a machine that may be busy: a pause of half a second stops the board, as it should. So up to three tries, and what
+# fails in all of them while the machine paused is skipped, by name.
+tries() { # NAME FUNCTION
+    if "$2" || "$2" || "$2"; then
+        verdict "$1" 0
+    elif [ "$(value status_gap_ms_max)" -gt 250 ]; then
+        echo "SKIP $1: the machine paused for $(value status_gap_ms_max) ms"
+    else
+        verdict "$1" 1
+    fi
+}
+
 # ---------------------------------------------------------------- the main job
-run run "$rig" --arm --seconds 3 --json --targets host-sim/scenarios/two.jsonl
-[ "$status" -eq 0 ] && [ "$(value mode)" = stopped ] && [ "$(value targets)" -gt 0 ] &&
-    [ "$(value lines_taken)" -gt 0 ] && [ "$(value lines_damaged)" = 0 ] && [ "$(value lines_stale)" = 0 ] &&
-    [ "$(value clock_answers)" -gt 5 ] && told tracking
-verdict 'run follows targets with a board' $?
+follow_two() {
+    run run "$rig" --arm --seconds 3 --json --targets host-sim/scenarios/two.jsonl
+    [ "$status" -eq 0 ] && [ "$(value mode)" = stopped ] && [ "$(value targets)" -gt 0 ] &&
+        [ "$(value lines_taken)" -gt 0 ] && [ "$(value lines_damaged)" = 0 ] && [ "$(value lines_stale)" = 0 ] &&
+        [ "$(value clock_answers)" -gt 5 ] && told tracking
+}
+tries 'run follows targets with a board' follow_two
 
 awk 'BEGIN { for (frame = 0; frame < 40; frame++) for (id = 1; id <= 64; id++)
     printf "{\"t_us\": %d, \"id\": %d, \"xyz\": [%.3f, 10, %.3f]}\n", frame * 50000, 1000 * id, id / 100 + frame / 50, id / 200 }' >"$dir/many.jsonl"
-run run "$rig" --arm --seconds 4.5 --json --targets "$dir/many.jsonl"
-[ "$status" -eq 0 ] && [ "$(value targets)" = 64 ] && [ "$(value updates_rejected)" = 0 ] && [ "$(value lines_damaged)" = 0 ] &&
-    [ "$(value frames_compact)" -ge 20 ] && [ "$(value frames_cut)" = 0 ] &&
-    awk -v pan="$(value pan_deg)" 'BEGIN { wanted = atan2(1.105, 10) * 57.29578; exit !(pan > wanted - 0.3 && pan < wanted + 0.3) }'
-verdict '64 targets, 20 times a second, and the gimbal looks at their middle' $?
+follow_many() {
+    run run "$rig" --arm --seconds 4.5 --json --targets "$dir/many.jsonl"
+    [ "$status" -eq 0 ] && [ "$(value targets)" = 64 ] && [ "$(value updates_rejected)" = 0 ] && [ "$(value lines_damaged)" = 0 ] &&
+        [ "$(value frames_compact)" -ge 20 ] && [ "$(value frames_cut)" = 0 ] &&
+        awk -v pan="$(value pan_deg)" 'BEGIN { wanted = atan2(1.105, 10) * 57.29578; exit !(pan > wanted - 0.3 && pan < wanted + 0.3) }'
+}
+tries '64 targets, 20 times a second, and the gimbal looks at their middle' follow_many
 
 run run "$rig" --seconds 1 --json
 [ "$status" -eq 0 ] && [ "$(value targets)" = 0 ] && ! told tracking && ! told holding
@@ -112,6 +128,38 @@ kill -CONT $pid
 status=$(cat "$dir/status")
 [ "$status" -eq 4 ] && told 'the board has fallen silent; was it unplugged'
 verdict 'a board that falls silent ends it with 4' $?
+
+# A board that is reset, and a program that hangs for a second: the board answers, but has let go of it.
+board board
+for who in board program; do
+    ("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
+    sleep 2
+    child=$(ps -o pid= --ppid $! | tr -d ' ')
+    if [ $who = board ]; then
+        kill -USR2 $pid
+    else
+        kill -STOP "$child"
+        sleep 1
+        kill -CONT "$child"
+    fi
+    wait $!
+    status=$(cat "$dir/status")
+    case $who,$status in
+    board,4) told 'the board has let go of this program; it was reset' ;;
+    # It may still see, in what waited for it, that the board stopped.
+    program,4) told 'the board has let go of this program' || told 'the board has fallen silent' ;;
+    program,5) told 'the board stopped' ;;
+    *) false ;;
+    esac
+    verdict "a $who that was away ends it" $?
+done
+
+("$boresight" run "$rig" --seconds 3 >/dev/null 2>&1) &
+sleep 1
+run run "$rig" --seconds 1
+[ "$status" -eq 4 ] && told "$rig: board = serial:" && told 'in use' && [ "$(wc -l <"$dir/err")" -eq 1 ]
+verdict 'a line that another program has open' $?
+wait $!
 
 # ---------------------------------------------------------------- the rig file
 for value in /dev/ttyACM0 serial: tcp:host; do

@@ -3,7 +3,7 @@
 ///
 /// Usage: pty_board RIG.ini LINK board|silent|chatter|ANSWER
 /// LINK becomes a symbolic link to the terminal. ANSWER: what to answer to every hello. Ends after
-/// two minutes at the latest. SIGUSR1: the emergency stop is pressed.
+/// two minutes at the latest. SIGUSR1: the emergency stop is pressed. SIGUSR2: the board is reset.
 #include "rig.h"
 
 #include "app/board_loop.h"
@@ -21,13 +21,16 @@
 
 enum { TICKS_MAX = 120000 };
 
-static volatile sig_atomic_t pressed;
+static volatile sig_atomic_t pressed, reset;
 static uint32_t now_us;
 static int terminal;
 
-static void press(int number) {
-    (void)number;
-    pressed = 1;
+static void on_signal(int number) {
+    if (number == SIGUSR1) {
+        pressed = 1;
+    } else {
+        reset = 1;
+    }
 }
 
 // ---------------------------------------------------------------- devices
@@ -187,8 +190,9 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: pty_board RIG.ini LINK board|silent|chatter|ANSWER\n");
         return 2;
     }
-    const struct sigaction action = {.sa_handler = press};
+    const struct sigaction action = {.sa_handler = on_signal};
     sigaction(SIGUSR1, &action, NULL);
+    sigaction(SIGUSR2, &action, NULL);
     rig.controller.arm_on_start = false;
     start_board(&rig.controller);
     if (!open_terminal(argv[2])) {
@@ -202,6 +206,10 @@ int main(int argc, char **argv) {
         due.tv_sec += due.tv_nsec / 1000000000;
         due.tv_nsec %= 1000000000;
         (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL);
+        if (reset != 0) {
+            reset = 0;
+            start_board(&rig.controller);
+        }
         tick(argv[3], number);
     }
     (void)unlink(argv[2]);
