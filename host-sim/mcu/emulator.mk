@@ -48,6 +48,11 @@ emulator: ## Build boresight-mcu, which runs a board's image in the simulator (s
 	@.ci/need emulator
 	@$(MAKE) --no-print-directory $(B)/boresight $(B)/boresight-mcu
 
+# An image for the rig of tests/mcu/cpu/faults.c.
+$(B)/boards/stm32f405/slew/rig.c: tests/mcu/cpu/slew/slew.ini $(B)/boresight FORCE
+	@mkdir -p $(@D)
+	$(call write_rig,$<,$@)
+
 # Programs for the emulated processor in the tests: one file each, with a start-up of their own.
 guest_c := $(wildcard tests/mcu/guest/*.c)
 guest_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -mcpu=cortex-m4 -mthumb \
