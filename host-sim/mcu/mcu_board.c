@@ -130,7 +130,8 @@ static const char *read_fault(const char *word, size_t size, struct mcu_board_fa
         if (strlen(fault_names[i]) == name_size && memcmp(fault_names[i], word, name_size) == 0) {
             char *end = NULL;
             const double seconds = at != NULL ? strtod(at + 1, &end) : 0.0;
-            if (at != NULL && (end != word + size || !(seconds >= 0.0) || seconds > 1e6)) {
+            if (at != NULL &&
+                (end != word + size || end == at + 1 || !(seconds >= 0.0) || seconds > 1e6)) {
                 return "the time is no number of seconds";
             }
             *fault = (struct mcu_board_fault){(enum mcu_fault)i, (uint64_t)(seconds * 1e6)};

@@ -5,7 +5,7 @@
 /// `struct sim_board` (sim.h) drives it. Targets and commands go in by the probe (probe.h); once
 /// the images have a host link, `push` and `command` in mcu_board.c are where lines go out instead.
 /// Faults of docs/safety.md that concern the board are switched on here, at a time.
-/// Shown: tests/mcu/board.c, tests/mcu/faults.c, tests/mcu/sim.sh.
+/// Shown: tests/mcu/cpu/board.c, tests/mcu/cpu/faults.c, tests/mcu/cpu/sim.sh.
 #ifndef MCU_MCU_BOARD_H
 #define MCU_MCU_BOARD_H
 

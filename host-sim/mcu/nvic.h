@@ -6,7 +6,7 @@
 /// number (then the lowest exception number) is taken if its group priority is below the running
 /// priority. Interrupt lines of the STM32's parts are levels: a line that is still high when its
 /// handler returns makes the interrupt pending again. Left out: unprivileged access (everything is
-/// privileged). Shown: tests/mcu/nvic.c; with a processor tests/mcu/exceptions.c.
+/// privileged). Shown: tests/mcu/nvic.c; with a processor tests/mcu/cpu/exceptions.c.
 #ifndef MCU_NVIC_H
 #define MCU_NVIC_H
 
