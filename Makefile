@@ -133,9 +133,10 @@ demo: ## Run the main job in the simulator: ten constellations, then a group of 
 	$(MAKE) --no-print-directory demo-run
 
 .PHONY: demo-run
-demo-run: $(B)/boresight
+demo-run: $(B)/boresight $(demo_board)
 	$(B)/boresight sim $(scenarios)/stars.ini $(scenarios)/pedestrians.ini --report $(B)/demo
 	echo
+	$(call show_board,$(scenarios)/stars.ini)
 	echo 'The report, with plots and pictures: $(B)/demo/report.html'
 
 lint: ## Check layers, layout and lengths

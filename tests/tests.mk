@@ -31,7 +31,7 @@ $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 $(foreach d,script script-san,$(B)/check/$(d)/tests/cli/drive.log): $(foreach v,$(variants),$(B)/$(v)/boresight)
 
 $(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t).log): \
-    $(foreach r,/hobby /moving /watch,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)
+    $(foreach r,/hobby /moving /watch /slew,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)
 $(B)/check/script/tests/mcu/cpu/layout.log: $(B)/gcc/tests/mcu/layout
 $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/exceptions
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight

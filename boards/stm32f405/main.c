@@ -98,6 +98,8 @@ int main(void) {
                                          .stop_line_count = COUNT(stop_lines),
                                          .enable_line = LINE_ENABLE,
                                          .notes = notes};
+    // Until the watchdog runs nothing may interrupt: a storm would hang the board for good.
+    cortexm_interrupts_disable();
     config.refusal = set_up();
     board_loop_init(
         &loop, &config,
@@ -106,6 +108,7 @@ int main(void) {
             .gpio = &gpio.hal,
             .console = &devices.console.hal,
             .watchdog = &watchdog.hal});
+    cortexm_interrupts_enable();
     uint32_t tick = devices.clock.ticks;
     for (;;) {
         const uint32_t next = cortexm_clock_wait_tick(&devices.clock, tick);

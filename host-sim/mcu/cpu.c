@@ -172,6 +172,7 @@ static void on_instruction(uc_engine *engine, uint64_t address, uint32_t size_by
     (void)engine;
     (void)size_bytes;
     cpu->exact_pc = (uint32_t)address;
+    cpu->stepped++;
 }
 
 static void on_interrupt(uc_engine *engine, uint32_t number, void *user) {

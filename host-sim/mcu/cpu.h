@@ -10,7 +10,8 @@
 /// `exact` was asked for (about four times slower). Not caught, though a real processor would:
 /// unaligned LDM and STM, division by zero with its trap on, floating-point instructions while the
 /// unit is off. Address 0 is not mapped, so that a null pointer faults (a real chip shows the flash
-/// there). Shown: tests/mcu/exceptions.c; against QEMU's processor: tests/mcu/second_opinion.sh.
+/// there). Shown: tests/mcu/cpu/exceptions.c; against QEMU's processor:
+/// tests/mcu/cpu/second_opinion.sh.
 #ifndef MCU_CPU_H
 #define MCU_CPU_H
 
@@ -56,7 +57,8 @@ struct cpu {
     uint32_t pc; ///< while nothing runs: where to go on
     bool stopping;
     uint32_t block_address, block_bytes; ///< the last that began
-    uint32_t exact_pc;
+    uint32_t exact_pc; ///< with `exact`: of the instruction that runs, and how many have run
+    uint64_t stepped;
     uint32_t fault_address;
 
     uint64_t other_cycles; ///< awake, but not for an instruction: exceptions' entry, hanging

@@ -43,10 +43,36 @@ $(foreach v,$(variants),$(eval $(call mcu_rules,$(v))))
 $(B)/boresight-mcu: $(B)/gcc/boresight-mcu
 	@cp $< $@
 
+# What `make demo` shows of a board, if the compiler for it and the emulator are there.
+ifneq ($(and $(unicorn),$(shell command -v arm-none-eabi-gcc)),)
+demo_board := $(B)/boresight-mcu $(B)/boards/stm32f405/boresight.elf
+define show_board
+	echo 'The same sky once more, now by the image of the STM32F405 in an emulated chip:'
+	mkdir -p $(B)/demo/stm32f405
+	$(B)/boresight sim $(1) --mcu $(B)/boards/stm32f405/boresight.elf --mcu-console $(B)/demo/stm32f405/console.txt \
+	    --report $(B)/demo/stm32f405 >$(B)/demo/stm32f405/summary.txt
+	echo 'What it said on its serial line, with the time in seconds:'
+	awk 'NR <= 4 || NR % 10 == 0 { print "  " $$0 }' $(B)/demo/stm32f405/console.txt
+	echo 'What came of it (mcu_step: instructions of a step of the controller):'
+	grep -E '^(aim_error|in_frame|violations|mcu_(steps|complaints|step_m|loop_p))' $(B)/demo/stm32f405/summary.txt
+	echo
+	echo 'The report of that run: $(B)/demo/stm32f405/report.html; all that the board said: console.txt there'
+endef
+else
+define show_board
+	echo 'With gcc-arm-none-eabi and libunicorn-dev the demo also shows the STM32F405: make emulator'
+endef
+endif
+
 .PHONY: emulator
 emulator: ## Build boresight-mcu, which runs a board's image in the simulator (sim --mcu)
 	@.ci/need emulator
 	@$(MAKE) --no-print-directory $(B)/boresight $(B)/boresight-mcu
+
+# An image for the rig of tests/mcu/cpu/faults.c.
+$(B)/boards/stm32f405/slew/rig.c: tests/mcu/cpu/slew/slew.ini $(B)/boresight FORCE
+	@mkdir -p $(@D)
+	$(call write_rig,$<,$@)
 
 # Programs for the emulated processor in the tests: one file each, with a start-up of their own.
 guest_c := $(wildcard tests/mcu/guest/*.c)

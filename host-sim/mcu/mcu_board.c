@@ -19,7 +19,8 @@
 #define PAN_LIMIT      GPIO_PIN('C', 2)
 #define TILT_LIMIT     GPIO_PIN('C', 3)
 #define SERVO_SUPPLY   GPIO_PIN('C', 4)
-#define STORM_IRQ      38U // USART2, which nothing uses
+#define STORM_IRQ      37U // USART1, the console
+#define STRAY_IRQ      38U // USART2, which nothing uses
 
 static const unsigned servo_pins[MCU_BOARD_SERVOS] = {GPIO_PIN('C', 6), GPIO_PIN('C', 7),
                                                       GPIO_PIN('C', 8), GPIO_PIN('C', 9),
@@ -91,6 +92,7 @@ static void on_console_byte(void *context, uint8_t byte, bool framed) {
 static const char *const fault_names[MCU_FAULT_COUNT] = {
     [MCU_FAULT_HSE_STUCK] = "hse-stuck",
     [MCU_FAULT_PLL_STUCK] = "pll-stuck",
+    [MCU_FAULT_SWITCH_STUCK] = "switch-stuck",
     [MCU_FAULT_CAN_STUCK] = "can-stuck",
     [MCU_FAULT_HSE_FAILS] = "hse-fails",
     [MCU_FAULT_CAN_UNPLUGGED] = "can-unplugged",
@@ -100,12 +102,15 @@ static const char *const fault_names[MCU_FAULT_COUNT] = {
     [MCU_FAULT_HANG] = "hang",
     [MCU_FAULT_HANG_ALL] = "hang-all",
     [MCU_FAULT_STORM] = "storm",
+    [MCU_FAULT_CALM] = "calm",
+    [MCU_FAULT_STRAY] = "stray",
     [MCU_FAULT_STOP_PRESSED] = "stop-pressed",
     [MCU_FAULT_STOP_RELEASED] = "stop-released",
     [MCU_FAULT_PAN_SILENT] = "pan-silent",
     [MCU_FAULT_TILT_SILENT] = "tilt-silent",
     [MCU_FAULT_PAN_IDLE] = "pan-idle",
     [MCU_FAULT_TILT_IDLE] = "tilt-idle",
+    [MCU_FAULT_DRIVES_WELL] = "drives-well",
 };
 
 const char *mcu_board_fault_names(void) {
@@ -125,7 +130,8 @@ static const char *read_fault(const char *word, size_t size, struct mcu_board_fa
         if (strlen(fault_names[i]) == name_size && memcmp(fault_names[i], word, name_size) == 0) {
             char *end = NULL;
             const double seconds = at != NULL ? strtod(at + 1, &end) : 0.0;
-            if (at != NULL && (end != word + size || !(seconds >= 0.0) || seconds > 1e6)) {
+            if (at != NULL &&
+                (end != word + size || end == at + 1 || !(seconds >= 0.0) || seconds > 1e6)) {
                 return "the time is no number of seconds";
             }
             *fault = (struct mcu_board_fault){(enum mcu_fault)i, (uint64_t)(seconds * 1e6)};
@@ -155,9 +161,10 @@ static void press(struct mcu_board *board, unsigned pin, bool pressed) {
     gpio_drive(&board->machine.soc, pin, pressed ? GPIO_FLOATING : GPIO_LOW);
 }
 
-static void fail_drive(struct mcu_board *board, unsigned axis, enum rmd_drive_failure failure) {
+static void fail_drive(struct mcu_board *board, unsigned axis, enum rmd_drive_failure failure,
+                       bool on) {
     if (board->sim->axis[axis].kind == DRIVE_RMD) {
-        rmd_drive_fail(&board->sim->axis[axis].drive, failure, true);
+        rmd_drive_fail(&board->sim->axis[axis].drive, failure, on);
     }
 }
 
@@ -165,16 +172,21 @@ static void fail_drive(struct mcu_board *board, unsigned axis, enum rmd_drive_fa
 static void inject_drive_fault(struct mcu_board *board, enum mcu_fault fault) {
     switch (fault) {
     case MCU_FAULT_PAN_SILENT:
-        fail_drive(board, AXIS_PAN, RMD_DRIVE_FAIL_SILENT);
+        fail_drive(board, AXIS_PAN, RMD_DRIVE_FAIL_SILENT, true);
         break;
     case MCU_FAULT_TILT_SILENT:
-        fail_drive(board, AXIS_TILT, RMD_DRIVE_FAIL_SILENT);
+        fail_drive(board, AXIS_TILT, RMD_DRIVE_FAIL_SILENT, true);
         break;
     case MCU_FAULT_PAN_IDLE:
-        fail_drive(board, AXIS_PAN, RMD_DRIVE_FAIL_IDLE);
+        board->idle_axes |= 1U << AXIS_PAN;
         break;
     case MCU_FAULT_TILT_IDLE:
-        fail_drive(board, AXIS_TILT, RMD_DRIVE_FAIL_IDLE);
+        board->idle_axes |= 1U << AXIS_TILT;
+        break;
+    case MCU_FAULT_DRIVES_WELL:
+        board->idle_axes = 0;
+        fail_drive(board, AXIS_PAN, RMD_DRIVE_FAIL_SILENT, false);
+        fail_drive(board, AXIS_TILT, RMD_DRIVE_FAIL_SILENT, false);
         break;
     default:
         break;
@@ -203,7 +215,12 @@ static void inject(struct mcu_board *board, enum mcu_fault fault) {
         cpu_hang(cpu, INT16_MIN);
         break;
     case MCU_FAULT_STORM:
-        board->stormy = true;
+    case MCU_FAULT_CALM:
+        nvic_hold_line(&board->machine.soc.nvic, STORM_IRQ, fault == MCU_FAULT_STORM);
+        break;
+    case MCU_FAULT_STRAY:
+        nvic_enable(&board->machine.soc.nvic, NVIC_IRQ0 + STRAY_IRQ, true);
+        nvic_set_pending(&board->machine.soc.nvic, NVIC_IRQ0 + STRAY_IRQ, true);
         break;
     case MCU_FAULT_STOP_PRESSED:
     case MCU_FAULT_STOP_RELEASED:
@@ -229,10 +246,11 @@ static uint32_t stuck_bits(const struct mcu_board_options *options) {
     uint32_t stuck = 0;
     for (uint32_t i = 0; i < options->fault_count; i++) {
         const enum mcu_fault fault = options->fault[i].fault;
-        stuck |= fault == MCU_FAULT_HSE_STUCK   ? (uint32_t)SOC_STUCK_HSE
-                 : fault == MCU_FAULT_PLL_STUCK ? (uint32_t)SOC_STUCK_PLL
-                 : fault == MCU_FAULT_CAN_STUCK ? (uint32_t)SOC_STUCK_CAN
-                                                : 0U;
+        stuck |= fault == MCU_FAULT_HSE_STUCK      ? (uint32_t)SOC_STUCK_HSE
+                 : fault == MCU_FAULT_PLL_STUCK    ? (uint32_t)SOC_STUCK_PLL
+                 : fault == MCU_FAULT_SWITCH_STUCK ? (uint32_t)SOC_STUCK_SWITCH
+                 : fault == MCU_FAULT_CAN_STUCK    ? (uint32_t)SOC_STUCK_CAN
+                                                   : 0U;
     }
     return stuck;
 }
@@ -272,21 +290,24 @@ static bool push(void *context, const struct target_update *update) {
     return probe_push(&board->probe, update);
 }
 
-static void command(void *context, uint32_t commands) {
-    struct mcu_board *board = context;
+void mcu_board_command(struct mcu_board *board, uint32_t commands) {
     probe_command(&board->probe, commands);
+}
+
+static void command(void *context, uint32_t commands) {
+    mcu_board_command(context, commands);
 }
 
 static void run(void *context, uint64_t until_ns) {
     struct mcu_board *board = context;
-    struct soc *soc = &board->machine.soc;
     inject_due(board);
     if (board->options.serial != NULL) {
-        serial_pty_pass(board->options.serial, &soc->usart[CONSOLE]);
+        serial_pty_pass(board->options.serial, &board->machine.soc.usart[CONSOLE]);
     }
-    if (board->stormy) { // a line that stays high, with its interrupt switched on
-        nvic_enable(&soc->nvic, NVIC_IRQ0 + STORM_IRQ, true);
-        nvic_set_line(&soc->nvic, STORM_IRQ, true);
+    for (unsigned axis = 0; axis < 2U; axis++) {
+        if ((board->idle_axes >> axis & 1U) != 0U) {
+            fail_drive(board, axis, RMD_DRIVE_FAIL_IDLE, true);
+        }
     }
     cpu_run(&board->machine.cpu, until_ns);
     give_pulses(board);
@@ -298,6 +319,7 @@ const char *mcu_board_start(struct mcu_board *board, const struct mcu_board_opti
     struct machine_options machine = machine_defaults();
     machine.soc.stuck = stuck_bits(options);
     machine.soc.log = options->log;
+    machine.soc.lsi_hz = options->lsi_hz != 0U ? options->lsi_hz : machine.soc.lsi_hz;
     machine.exact = options->exact;
     const char *wrong = machine_start(&board->machine, options->image, &machine);
     if (wrong != NULL) {

@@ -5,7 +5,7 @@
 /// `struct sim_board` (sim.h) drives it. A scenario's targets and commands go in by the probe
 /// (probe.h); whoever opens the pseudo-terminal (serial_pty.h) is at the board's serial line.
 /// Faults of docs/safety.md that concern the board are switched on here, at a time.
-/// Shown: tests/mcu/board.c, tests/mcu/faults.c, tests/mcu/sim.sh.
+/// Shown: tests/mcu/cpu/board.c, tests/mcu/cpu/faults.c, tests/mcu/cpu/sim.sh.
 #ifndef MCU_MCU_BOARD_H
 #define MCU_MCU_BOARD_H
 
@@ -22,6 +22,7 @@
 enum mcu_fault {
     MCU_FAULT_HSE_STUCK,     ///< from power-on
     MCU_FAULT_PLL_STUCK,     ///< from power-on
+    MCU_FAULT_SWITCH_STUCK,  ///< from power-on: the system clock does not change over
     MCU_FAULT_CAN_STUCK,     ///< from power-on: the controller never enters its initialisation
     MCU_FAULT_HSE_FAILS,     ///< the crystal stops
     MCU_FAULT_CAN_UNPLUGGED, ///< the cable at our end
@@ -30,13 +31,17 @@ enum mcu_fault {
     MCU_FAULT_CAN_REPAIRED,
     MCU_FAULT_HANG,     ///< the program hangs; interrupts go on
     MCU_FAULT_HANG_ALL, ///< everything hangs
-    MCU_FAULT_STORM,    ///< an interrupt that never ends (a USART line)
+    MCU_FAULT_STORM,    ///< an interrupt that never ends (the console's)
+    MCU_FAULT_CALM,     ///< it ends
+    MCU_FAULT_STRAY,    ///< an interrupt that nobody expects
     MCU_FAULT_STOP_PRESSED,
     MCU_FAULT_STOP_RELEASED,
     MCU_FAULT_PAN_SILENT, ///< a drive hears and says nothing
     MCU_FAULT_TILT_SILENT,
-    MCU_FAULT_PAN_IDLE, ///< a drive falls to idle and says nothing of it
+    MCU_FAULT_PAN_IDLE, ///< a drive falls to idle whenever it is told to move, and says nothing of
+                        ///< it
     MCU_FAULT_TILT_IDLE,
+    MCU_FAULT_DRIVES_WELL, ///< all drives answer and move again
     MCU_FAULT_COUNT
 };
 
@@ -53,6 +58,7 @@ struct mcu_board_options {
     struct serial_pty *serial; ///< the other end of the serial line; NULL: nobody
     FILE *console;             ///< what the board says, a line at a time; NULL: nobody
     bool exact;                ///< see cpu.h
+    uint32_t lsi_hz;           ///< of the watchdog's oscillator; 0: 32,000
 };
 
 struct mcu_board {
@@ -64,7 +70,7 @@ struct mcu_board {
     struct controller_config config; ///< as the image has it
     struct sim *sim;
     uint32_t faults_done;
-    bool stormy;
+    uint32_t idle_axes; ///< a bit for each drive that falls to idle again and again
     char line[MCU_BOARD_LINE_BYTES], last_line[MCU_BOARD_LINE_BYTES]; ///< of the console
     uint32_t line_bytes;
     uint64_t lines, garbled; ///< whole lines, and bytes with a wrong stop bit
@@ -74,6 +80,9 @@ struct mcu_board {
 /// any case. The struct must not move.
 const char *mcu_board_start(struct mcu_board *board, const struct mcu_board_options *options);
 void mcu_board_free(struct mcu_board *board);
+
+/// Into the input of the controller's next step, as a person at the console would give it.
+void mcu_board_command(struct mcu_board *board, uint32_t commands);
 
 /// Whether the image was built for a rig; NULL, or the name of a setting that differs. What the
 /// scenario decides (arm_on_start) does not count.

@@ -52,7 +52,12 @@ static void update(struct nvic *nvic) {
 }
 
 void nvic_reset(struct nvic *nvic, uint64_t *attend_cycle) {
+    uint32_t held[NVIC_WORDS];
+    memcpy(held, nvic->held, sizeof held);
     memset(nvic, 0, sizeof *nvic);
+    memcpy(nvic->held, held, sizeof held);
+    memcpy(nvic->line, held, sizeof held);
+    memcpy(nvic->pending, held, sizeof held);
     nvic->attend_cycle = attend_cycle;
     // System exceptions can't be disabled, but for the three faults, which SHCSR enables.
     nvic->enabled[0] = UINT32_C(1) << NVIC_NMI | UINT32_C(1) << NVIC_HARD_FAULT |
@@ -70,6 +75,7 @@ static void make_pending(struct nvic *nvic, unsigned exception) {
 
 void nvic_set_line(struct nvic *nvic, unsigned irq, bool high) {
     const unsigned exception = NVIC_IRQ0 + irq;
+    high = high || nvic_test(nvic->held, exception);
     if (nvic_test(nvic->line, exception) == high) {
         return;
     }
@@ -78,6 +84,11 @@ void nvic_set_line(struct nvic *nvic, unsigned irq, bool high) {
         make_pending(nvic, exception);
         update(nvic);
     }
+}
+
+void nvic_hold_line(struct nvic *nvic, unsigned irq, bool held) {
+    set_bit(nvic->held, NVIC_IRQ0 + irq, held);
+    nvic_set_line(nvic, irq, held); // a part that is still high says so with its next change
 }
 
 void nvic_set_pending(struct nvic *nvic, unsigned exception, bool pending) {

@@ -6,7 +6,7 @@
 /// number (then the lowest exception number) is taken if its group priority is below the running
 /// priority. Interrupt lines of the STM32's parts are levels: a line that is still high when its
 /// handler returns makes the interrupt pending again. Left out: unprivileged access (everything is
-/// privileged). Shown: tests/mcu/nvic.c; with a processor tests/mcu/exceptions.c.
+/// privileged). Shown: tests/mcu/nvic.c; with a processor tests/mcu/cpu/exceptions.c.
 #ifndef MCU_NVIC_H
 #define MCU_NVIC_H
 
@@ -42,6 +42,7 @@ struct nvic_masks {
 struct nvic {
     /// A bit for each exception, by its number.
     uint32_t pending[NVIC_WORDS], enabled[NVIC_WORDS], active[NVIC_WORDS], line[NVIC_WORDS];
+    uint32_t held[NVIC_WORDS]; ///< lines that a fault outside keeps high; survives a reset
     uint8_t priority[NVIC_EXCEPTIONS];
     uint8_t group_mask; ///< which bits of a priority decide whether it preempts
 
@@ -60,6 +61,9 @@ void nvic_reset(struct nvic *nvic, uint64_t *attend_cycle);
 
 /// A part's interrupt line.
 void nvic_set_line(struct nvic *nvic, unsigned irq, bool high);
+
+/// A fault: the line is high from now on, whatever its part says.
+void nvic_hold_line(struct nvic *nvic, unsigned irq, bool held);
 
 /// By software, or an edge.
 void nvic_set_pending(struct nvic *nvic, unsigned exception, bool pending);

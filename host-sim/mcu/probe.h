@@ -6,7 +6,7 @@
 /// have put them had they come over a wire. That is the way to feed an image that has no host link
 /// yet, or more than a serial line can carry. And it counts: instructions of the call without those
 /// of interrupts, and of all that the program does between two calls (the loop, interrupts
-/// included; asleep there are none). Shown: tests/mcu/board.c.
+/// included; asleep there are none). Shown: tests/mcu/cpu/board.c.
 #ifndef MCU_PROBE_H
 #define MCU_PROBE_H
 

@@ -4,7 +4,7 @@
 /// that a pointer has four bytes and an enum only as many as its values need. So every structure
 /// that an emulated image shares with us is described field by field, in order, and the offsets
 /// follow. That the description is whole and right is checked by both compilers:
-/// tests/mcu/layout.sh.
+/// tests/mcu/cpu/layout.sh.
 #ifndef REPLAY_LAYOUT_H
 #define REPLAY_LAYOUT_H
 

@@ -97,6 +97,19 @@ static void warning_passive_and_off_at_96_128_and_256(void) {
     CHECK(!bxcan_listens(&chip.can[0]));
 }
 
+static void off_is_above_255(void) {
+    start_can(0);
+    request(0, 0x100);
+    fail(1);
+    (void)carry(BXCAN_SENT);
+    request(0, 0x100);
+    fail(31);
+    CHECK_EQ(tec(), 255);
+    CHECK_EQ(flags() & BOFF, 0);
+    fail(1);
+    CHECK_EQ(flags() & BOFF, BOFF);
+}
+
 static void alone_on_the_bus_it_ends_passive_not_off(void) {
     start_can(0);
     request(0, 0x100);
@@ -184,6 +197,7 @@ int main(void) {
     TEST(a_receiver_counts_by_one);
     TEST(a_passive_receiver_comes_back_to_120);
     TEST(warning_passive_and_off_at_96_128_and_256);
+    TEST(off_is_above_255);
     TEST(alone_on_the_bus_it_ends_passive_not_off);
     TEST(by_itself_with_abom_after_128_times_11_bits);
     TEST(without_abom_when_software_asks);

@@ -169,6 +169,14 @@ static void shorted_it_goes_off_and_comes_back(void) {
     CHECK_EQ(heard_count, 1);
 }
 
+static void alone_on_a_shorted_bus_it_goes_off(void) {
+    begin_at(BTR_1_MBIT, 0, true);
+    port.shorted = true;
+    request(0, 0x100);
+    pass_us(5000);
+    CHECK_EQ(peek(ESR) & 4U, 4);
+}
+
 static void a_wrong_bit_rate_gets_nowhere(void) {
     begin_at(BTR_1_MBIT | 1U, 0, false); // 500 kbit/s
     request(0, 0x100);
@@ -179,6 +187,10 @@ static void a_wrong_bit_rate_gets_nowhere(void) {
     pass_us(1000);
     CHECK_EQ(peek(RF0R), 0);
     begin_at(UINT32_C(13) << 16 | UINT32_C(1) << 20, 0, false); // 17 quanta: 6 % off
+    request(0, 0x100);
+    pass_us(20000);
+    CHECK_EQ(heard_count, 0);
+    begin_at(UINT32_C(11) << 16 | UINT32_C(1) << 20, 0, false); // 15: 7 % too fast
     request(0, 0x100);
     pass_us(20000);
     CHECK_EQ(heard_count, 0);
@@ -235,6 +247,7 @@ int main(void) {
     TEST(unplugged_it_ends_passive);
     TEST(alone_it_ends_passive_too);
     TEST(shorted_it_goes_off_and_comes_back);
+    TEST(alone_on_a_shorted_bus_it_goes_off);
     TEST(a_wrong_bit_rate_gets_nowhere);
     TEST(pins_that_are_not_connected);
     TEST(a_chip_that_resets_forgets_its_frame);

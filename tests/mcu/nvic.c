@@ -160,6 +160,13 @@ static void faultmask_holds_back_all_but_nmi(void) {
     CHECK_EQ(next_with(masks), 0);
     nvic_set_pending(&chip.nvic, NVIC_NMI, true);
     CHECK_EQ(next_with(masks), NVIC_NMI);
+    power_on(); // also while a handler of priority 0 runs
+    enable(20);
+    pend(20);
+    nvic_activate(&chip.nvic, 16 + 20);
+    nvic_set_pending(&chip.nvic, NVIC_HARD_FAULT, true);
+    CHECK_EQ(next(), NVIC_HARD_FAULT);
+    CHECK_EQ(next_with(masks), 0);
 }
 
 static void basepri_holds_back_its_number_and_higher(void) {

@@ -227,6 +227,25 @@ static void forbidden_clocks_are_complaints(void) {
     complaints_of("PLLCFGR while the PLL runs", 1);
 }
 
+/// RM0090, table 10, at 2.7 V and more: a wait state for each 30 MHz begun.
+static void flash_wait_states(void) {
+    static const uint32_t cases[][2] = {{60, 1},  {62, 2},  {90, 2}, {92, 3},
+                                        {120, 3}, {150, 4}, {152, 5}};
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        for (uint32_t less = 0; less < 2U; less++) {
+            power_on();
+            poke(FLASH, cases[i][1] - less);
+            poke(PLLCFGR, 16U | 2U * cases[i][0] << 6 | 8U << 24); // 1 MHz * 2 f / 2
+            poke(CFGR, 5U << 10 | 4U << 13);
+            set_bits(CR, PLLON);
+            pass_us(1000);
+            set_bits(CFGR, 2);
+            CHECK_EQ(chip.hclk_hz, cases[i][0] * 1000000U);
+            complaints_of("wait states", less);
+        }
+    }
+}
+
 static void the_clock_monitor_saves_the_system(void) {
     power_on();
     run_at_168_mhz();
@@ -303,6 +322,7 @@ int main(void) {
     TEST(a_part_without_clock_is_dead);
     TEST(registers_take_bytes);
     TEST(forbidden_clocks_are_complaints);
+    TEST(flash_wait_states);
     TEST(the_clock_monitor_saves_the_system);
     TEST(without_the_monitor_the_chip_stands_still);
     TEST(ready_interrupts);

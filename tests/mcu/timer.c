@@ -239,6 +239,12 @@ static void the_counter_keeps_its_pace_over_a_change_of_clock(void) {
     CHECK_EQ(peek(TIM3 + CNT), 1000);
     pass_us(100);
     CHECK_EQ(peek(TIM3 + CNT), 1400);
+    begin();
+    poke(TIM3 + CR1, CEN);
+    pass_cycles(1000);
+    poke(RCC + 8U, 5U << 10); // APB1 a quarter: the timer gets half of HCLK from now on
+    pass_cycles(1000);
+    CHECK_EQ(peek(TIM3 + CNT), 1500);
 }
 
 static void what_has_no_model_complains(void) {

@@ -151,6 +151,25 @@ static void a_wrong_speed_is_heard_as_nonsense(void) {
     CHECK(heard[0] != 0x55 || garbled != 0U);
 }
 
+/// At half the speed of the other end a byte of zeros is still low where that one looks for the
+/// stop bit.
+static void a_stop_bit_that_is_low_is_a_framing_error(void) {
+    begin(115200, 278, UE | TE);
+    poke(DR, 0);
+    pass_us(1000);
+    CHECK(garbled != 0U);
+    begin(57600, 139, UE | RE);
+    send_to_chip("\x80");
+    pass_us(1000);
+    CHECK_EQ(peek(SR) & FE, FE);
+    begin(115200, 139, UE | TE | RE);
+    poke(DR, 0);
+    send_to_chip("\x80");
+    pass_us(1000);
+    CHECK_EQ(garbled, 0);
+    CHECK_EQ(peek(SR) & FE, 0);
+}
+
 static void received_bytes_wait_in_dr(void) {
     begin(115200, 139, UE | RE);
     send_to_chip("x");
@@ -250,6 +269,7 @@ int main(void) {
     TEST(a_write_while_txe_is_0_loses_a_byte);
     TEST(nothing_comes_out_of_a_port_that_is_off);
     TEST(a_wrong_speed_is_heard_as_nonsense);
+    TEST(a_stop_bit_that_is_low_is_a_framing_error);
     TEST(received_bytes_wait_in_dr);
     TEST(a_byte_that_nobody_takes_is_an_overrun);
     TEST(a_wrong_speed_is_received_as_nonsense);
