@@ -51,7 +51,7 @@ void places_finish(struct points *points, bool from_text, int32_t most) {
             highest = top > highest ? top : highest;
         }
     }
-    if (!from_text) {
+    if (!from_text || points->count == 0U) {
         return;
     }
     if (lowest == INT32_MAX) { // all zero
