@@ -34,8 +34,7 @@ struct pump_errors {
     uint32_t updates_dropped; ///< more came between two ticks than PUMP_UPDATES_MAX
 };
 
-#define PUMP_UPDATES_MAX                                                                           \
-    128U ///< two ticks' worth; a source that gets `false` keeps the rest for the next tick
+#define PUMP_UPDATES_MAX 128U ///< a source that gets `false` keeps the rest for the next tick
 
 struct pump {
     struct pump_devices devices;

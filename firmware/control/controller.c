@@ -66,6 +66,8 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     target_set_init(&c->targets, config->position_um, config->target_expiry_us);
     c->aim_reports = c->targets.rest_reports;
     c->framing = (struct framing){.status = FRAMING_EMPTY};
+    c->framing_workspace.memory.count = 0;
+    c->full_ticks = 0;
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
     c->zoom_focal_um = 0;
@@ -130,6 +132,8 @@ static void take_updates(struct controller *c, const struct controller_input *in
             target_set_apply(&c->targets, &input->update[i], c->time_us) != TARGET_OK;
     }
     (void)target_set_expire(&c->targets, c->time_us);
+    const bool full = count == CONTROLLER_UPDATES_MAX && c->full_ticks < CONTROLLER_WAIT_TICKS_MAX;
+    c->full_ticks = full ? c->full_ticks + 1U : 0U;
 }
 
 // ---------------------------------------------------------------- faults

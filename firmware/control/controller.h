@@ -62,7 +62,7 @@ enum controller_command {
 
 #define CONTROLLER_FRAMES_IN_MAX  16U ///< a 1 Mbit/s bus carries 9 a millisecond
 #define CONTROLLER_FRAMES_OUT_MAX 4U
-#define CONTROLLER_UPDATES_MAX    64U
+#define CONTROLLER_UPDATES_MAX    16U
 
 struct controller_input {
     uint32_t now_us;   ///< wraps. If it runs backwards, no time passes and the tick counts as late
@@ -124,6 +124,10 @@ struct controller_output {
 
 // ---------------------------------------------------------------- the controller
 
+/// A tick that brings CONTROLLER_UPDATES_MAX updates is taken for a part of a frame: the aim waits
+/// for the rest, so that it is not worked out for half of a frame. At most so many ticks in a row.
+#define CONTROLLER_WAIT_TICKS_MAX (TARGET_CAPACITY / CONTROLLER_UPDATES_MAX)
+
 /// About 20 KiB (make size); no pointers but to its configuration, so it can be copied.
 struct controller {
     const struct controller_config *config;
@@ -132,6 +136,7 @@ struct controller {
     struct framing_workspace framing_workspace;
     struct framing framing;
     uint32_t framed_version; ///< of the target set that framing was solved for
+    uint32_t full_ticks;     ///< in a row, that brought CONTROLLER_UPDATES_MAX updates
     uint32_t aim_reports;    ///< targets.rest_reports when the trackers were last told
     struct limiter limiter[AXIS_COUNT];
     struct drive drive[AXIS_COUNT];

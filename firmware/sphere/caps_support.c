@@ -300,7 +300,7 @@ static const uint8_t beside[] = {0, 1, 2, 4, 3, 5, 6};
 
 /// What the subsets cost: an arc is one, an axis of three caps is three of these.
 #define SUBSET_COST(count) ((count) == 3U ? 3U : (count)-1U)
-#define SUBSET_COST_MAX    6U
+#define SUBSET_COST_MAX    5U
 
 void caps_support_recall(struct caps_support *support, const struct caps_point *points,
                          uint8_t count) {
