@@ -37,7 +37,7 @@ extern const char *const picture_frames[], *const picture_bounds[];
      picture_frames},                                                                              \
         {"--aspect",                                                                               \
          "W:H",                                                                                    \
-         "ratio of its sides, width first",                                                        \
+         "its sides, width first",                                                                 \
          option_text,                                                                              \
          offsetof(settings_type, member.aspect),                                                   \
          NULL},                                                                                    \
