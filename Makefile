@@ -153,6 +153,10 @@ all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (bu
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
+.PHONY: figures
+figures: $(B)/boresight ## Draw the figures of docs/geometry.md
+	sh docs/pictures/draw.sh docs/pictures
+
 help: ## List the targets
 	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk tests/vm/vm.mk tests/bench/bench.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
 

@@ -1,4 +1,5 @@
 /// `boresight aim`: where to look, from a file of points.
+#include "aim_picture.h"
 #include "command.h"
 #include "facts.h"
 #include "measure.h"
@@ -10,6 +11,7 @@
 #include "sphere/shrink.h"
 #include "sphere/voronoi_circle.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 struct settings {
@@ -17,6 +19,8 @@ struct settings {
     struct triple up;
     int method;
     bool json;
+    struct picture_options picture;
+    struct bounds bounds;
 };
 
 typedef enum cone_status solve_function(const struct points *points, struct cone_result *result);
@@ -106,6 +110,7 @@ static const struct option options[] = {
      option_choice, offsetof(struct settings, method), method_names},
     {"--up", "X,Y,Z", "what shall be up in the picture (0,0,1)", option_triple,
      offsetof(struct settings, up), NULL},
+    PICTURE_OPTIONS(struct settings, picture),
     OPTION_JSON(struct settings),
 };
 
@@ -121,7 +126,9 @@ static bool read_up(const struct command *command, const struct triple *option, 
     return true;
 }
 
-static void print_cone(struct facts *facts, struct vec3 ahead_q30, const struct points *points) {
+/// The half-angle in 10^-12 degrees.
+static uint64_t print_cone(struct facts *facts, struct vec3 ahead_q30,
+                           const struct points *points) {
     const struct measured_cone cone = measure_cone(ahead_q30, points);
     const char *const why = "the half-angle is not below 90 degrees";
     facts_trillionths(facts, "half_angle_deg", cone.half_angle_pdeg);
@@ -133,23 +140,61 @@ static void print_cone(struct facts *facts, struct vec3 ahead_q30, const struct 
         facts_null(facts, "image_radius", why);
         facts_null(facts, "max_distortion", why);
     }
+    return cone.half_angle_pdeg;
 }
 
-static void print_feasible(struct facts *facts, const char *method, struct vec3 up,
-                           const struct points *points, const struct cone_result *result) {
-    const struct orient_axes axes = orient_axes(result->axis_q30, up);
+/// What is aimed at: by a cone, or a rectangle.
+struct aimed {
+    const char *method;
+    struct picture_axes axes;
+    double pan_deg, tilt_deg;
+    const uint32_t *support;
+    uint32_t support_count;
+    uint64_t point_reads;
+    const struct rect_frame *rect;          ///< NULL: a cone
+    const struct measured_cone *box, *best; ///< of the corners, and without the box; NULL: no box
+};
+
+static void print_aimed(struct facts *facts, const struct settings *settings,
+                        const struct points *points, const struct aimed *aimed) {
     facts_bool(facts, "feasible", true);
     facts_u64(facts, "count", points->count);
-    facts_text(facts, "method", method);
-    facts_vec3(facts, "ahead_q30", result->axis_q30);
-    facts_vec3(facts, "right_q30", axes.right_q30);
-    facts_vec3(facts, "up_q30", axes.up_q30);
-    facts_fixed(facts, "pan_deg", measure_pan_deg(result->axis_q30), 12);
-    facts_fixed(facts, "tilt_deg", measure_tilt_deg(result->axis_q30), 12);
-    print_cone(facts, result->axis_q30, points);
-    facts_indices(facts, "support", result->support, result->support_count, point_options_name_of,
-                  points);
-    facts_u64(facts, "point_reads", result->point_reads);
+    facts_text(facts, "method", aimed->method);
+    facts_vec3(facts, "ahead_q30", aimed->axes.ahead_q30);
+    facts_vec3(facts, "right_q30", aimed->axes.right_q30);
+    facts_vec3(facts, "up_q30", aimed->axes.up_q30);
+    facts_fixed(facts, "pan_deg", aimed->pan_deg, 12);
+    facts_fixed(facts, "tilt_deg", aimed->tilt_deg, 12);
+    const uint64_t half_angle_pdeg = print_cone(facts, aimed->axes.ahead_q30, points);
+    if (aimed->rect != NULL) {
+        picture_print_field(facts, &settings->picture, aimed->rect->slope);
+    }
+    if (aimed->box != NULL) {
+        facts_trillionths(facts, "box_half_deg", aimed->box->half_angle_pdeg);
+        facts_trillionths(facts, "loss_deg",
+                          half_angle_pdeg > aimed->best->half_angle_pdeg
+                              ? half_angle_pdeg - aimed->best->half_angle_pdeg
+                              : 0U);
+    }
+    if (aimed->support != NULL) {
+        facts_indices(facts, "support", aimed->support, aimed->support_count, point_options_name_of,
+                      points);
+    }
+    facts_u64(facts, "point_reads", aimed->point_reads);
+    picture_print_image(facts, &settings->picture, aimed->axes.ahead_q30, aimed->axes.up_q30,
+                        half_angle_pdeg, points);
+}
+
+static struct aimed aimed_by_cone(const char *method, struct vec3 up,
+                                  const struct cone_result *result) {
+    const struct orient_axes axes = orient_axes(result->axis_q30, up);
+    return (struct aimed){.method = method,
+                          .axes = {result->axis_q30, axes.right_q30, axes.up_q30},
+                          .pan_deg = measure_pan_deg(result->axis_q30),
+                          .tilt_deg = measure_tilt_deg(result->axis_q30),
+                          .support = result->support,
+                          .support_count = result->support_count,
+                          .point_reads = result->point_reads};
 }
 
 static void print_infeasible(struct facts *facts, const struct points *points,
@@ -162,18 +207,109 @@ static void print_infeasible(struct facts *facts, const struct points *points,
     }
 }
 
+static enum exit_status print_result(const struct settings *settings, const struct points *points,
+                                     const struct aimed *aimed) {
+    struct facts facts;
+    facts_begin(&facts, stdout, settings->json);
+    print_aimed(&facts, settings, points, aimed);
+    facts_end(&facts);
+    return EXIT_STATUS_OK;
+}
+
+static enum exit_status tell_no_memory(const struct command *command, const struct points *points) {
+    message_command(command->name, "no memory for %lu points", (unsigned long)points->count);
+    return EXIT_STATUS_FAILURE;
+}
+
+static enum exit_status aim_rect(const struct command *command, const struct settings *settings,
+                                 const struct points *points, const struct cone_result *cone) {
+    const struct picture_options *picture = &settings->picture;
+    struct rect_frame frame;
+    if (!rect_solve(points, picture->width, picture->height, cone->axis_q30, &frame)) {
+        return tell_no_memory(command, points);
+    }
+    // As printed, with 12 decimals: the picture is that of the angles that are read.
+    const double scale = 1e12 * MEASURE_DEG_PER_RAD;
+    const double pan_deg = round(frame.pan_rad * scale) / 1e12,
+                 tilt_deg = round(frame.tilt_rad * scale) / 1e12;
+    const double pan_rad = pan_deg / MEASURE_DEG_PER_RAD, tilt_rad = tilt_deg / MEASURE_DEG_PER_RAD;
+    frame.slope = rect_slope(points, picture->width, picture->height, pan_rad, tilt_rad);
+    const struct aimed aimed = {.method = "rect",
+                                .axes = picture_axes(pan_rad, tilt_rad),
+                                .pan_deg = pan_deg,
+                                .tilt_deg = tilt_deg,
+                                .support = frame.support,
+                                .support_count = frame.support_count,
+                                .point_reads = cone->point_reads + frame.point_reads,
+                                .rect = &frame};
+    return print_result(settings, points, &aimed);
+}
+
+/// Exit 3: the viewpoint lies in the closed box.
+static enum exit_status print_box_infeasible(const struct settings *settings,
+                                             const struct points *points) {
+    struct facts facts;
+    facts_begin(&facts, stdout, settings->json);
+    facts_bool(&facts, "feasible", false);
+    facts_u64(&facts, "count", points->count);
+    facts_text(&facts, "why", "the viewpoint lies in the box of the points");
+    facts_end(&facts);
+    return EXIT_STATUS_INFEASIBLE;
+}
+
+static enum exit_status aim_box(const struct command *command, const struct settings *settings,
+                                struct vec3 up, const struct points *points,
+                                const struct cone_result *cone) {
+    const struct method *const method = &methods[settings->method];
+    struct vec3 corner[8];
+    struct vec3_i64 fine[8];
+    struct points corners = {.count = 8, .directions = corner, .fine = fine, .fine_exact = true};
+    for (int i = 0; i < 8; i++) {
+        struct decimal place[3];
+        struct direction direction;
+        bounds_corner(&settings->bounds, i, place);
+        if (!direction_from_decimals(place, settings->points.viewpoint.component, &direction)) {
+            return print_box_infeasible(settings, points);
+        }
+        corner[i] = direction.coarse;
+        fine[i] = direction.fine;
+        corners.fine_exact = corners.fine_exact && direction.fine_exact;
+    }
+    corners.fine_error_rad = corners.fine_exact ? 0 : direction_decimals_error_rad;
+    struct cone_result of_box = {0};
+    switch (method->solve(&corners, &of_box)) {
+    case CONE_OK:
+        break;
+    case CONE_INFEASIBLE:
+        return print_box_infeasible(settings, points);
+    default:
+        return tell_no_memory(command, points);
+    }
+    const struct measured_cone box = measure_cone(of_box.axis_q30, &corners),
+                               best = measure_cone(cone->axis_q30, points);
+    struct aimed aimed = aimed_by_cone(method->name, up, &of_box);
+    aimed.support = NULL; // they are corners
+    aimed.box = &box;
+    aimed.best = &best;
+    return print_result(settings, points, &aimed);
+}
+
 static enum exit_status aim(const struct command *command, const struct settings *settings,
                             struct vec3 up, const struct points *points) {
     const struct method *const method = &methods[settings->method];
     struct cone_result result = {0};
-    const enum cone_status status = method->solve(points, &result);
     struct facts facts;
+    const enum cone_status status = method->solve(points, &result);
     switch (status) {
     case CONE_OK:
-        facts_begin(&facts, stdout, settings->json);
-        print_feasible(&facts, method->name, up, points, &result);
-        facts_end(&facts);
-        return EXIT_STATUS_OK;
+        if (settings->picture.frame == FRAME_RECT) {
+            return aim_rect(command, settings, points, &result);
+        }
+        if (settings->picture.bounds == BOUNDS_BOX) {
+            return aim_box(command, settings, up, points, &result);
+        }
+        const struct aimed aimed = aimed_by_cone(method->name, up, &result);
+        return print_result(settings, points, &aimed);
     case CONE_INFEASIBLE:
     case CONE_EMPTY:
         facts_begin(&facts, stdout, settings->json);
@@ -181,8 +317,7 @@ static enum exit_status aim(const struct command *command, const struct settings
         facts_end(&facts);
         return EXIT_STATUS_INFEASIBLE;
     case CONE_ERROR_WORKSPACE:
-        message_command(command->name, "no memory for %lu points", (unsigned long)points->count);
-        return EXIT_STATUS_FAILURE;
+        return tell_no_memory(command, points);
     default:
         message_command(command->name, "internal failure %d", (int)status);
         return EXIT_STATUS_FAILURE;
@@ -201,12 +336,19 @@ static enum exit_status run(const struct command *command, int argc, char *const
         !read_up(command, &settings.up, &up)) {
         return EXIT_STATUS_USAGE;
     }
-    struct points points;
-    enum exit_status status = points_read(file, &format, &points);
+    enum exit_status status = picture_options_read(command->name, &format, settings.up.given,
+                                                   settings.method != 0, &settings.picture);
+    struct points points = {0};
+    if (status == EXIT_STATUS_OK) {
+        format.bounds = settings.picture.bounds == BOUNDS_BOX ? &settings.bounds : NULL;
+        status = points_read(file, &format, &points);
+    }
     if (status == EXIT_STATUS_OK) {
         status = aim(command, &settings, up, &points);
     }
     points_free(&points);
+    bounds_free(&settings.bounds);
+    picture_options_free(&settings.picture);
     return status;
 }
 
@@ -231,7 +373,8 @@ const struct command command_aim = {
         "  image_radius max_distortion\n"
         "                   its tangent, and one over its cosine; null at 90 degrees and beyond\n"
         "  support          one to three points whose own narrowest cone is this one\n"
-        "  point_reads      how many times a point was read in search of the answer\n",
+        "  point_reads      how many times a point was read in search of the "
+        "answer\n\n" PICTURE_HELP,
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run,

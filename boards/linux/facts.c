@@ -103,6 +103,27 @@ void facts_vec3(struct facts *facts, const char *name, struct vec3 value) {
     }
 }
 
+void facts_reals(struct facts *facts, const char *name, const double *values, uint32_t count) {
+    start(facts, name);
+    if (facts->as_json) {
+        json_begin_array(&facts->json);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        char text[32];
+        snprintf(text, sizeof text, "%.12g", values[i]);
+        if (facts->as_json) {
+            json_number(&facts->json, text);
+        } else {
+            fprintf(facts->stream, "%s%s", i == 0U ? "" : " ", text);
+        }
+    }
+    if (facts->as_json) {
+        json_end_array(&facts->json);
+    } else {
+        fputc('\n', facts->stream);
+    }
+}
+
 void facts_indices(struct facts *facts, const char *name, const uint32_t *indices, uint32_t count,
                    const char *(*name_of)(const void *context, uint32_t index),
                    const void *context) {

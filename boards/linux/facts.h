@@ -30,6 +30,8 @@ void facts_trillionths(struct facts *facts, const char *name, uint64_t value);
 /// null; as text, `none` and why.
 void facts_null(struct facts *facts, const char *name, const char *why);
 void facts_vec3(struct facts *facts, const char *name, struct vec3 value);
+/// A list of numbers with up to 12 digits.
+void facts_reals(struct facts *facts, const char *name, const double *values, uint32_t count);
 /// Indices of points; as text their names follow, where name_of (may be NULL) gives one.
 void facts_indices(struct facts *facts, const char *name, const uint32_t *indices, uint32_t count,
                    const char *(*name_of)(const void *context, uint32_t index),

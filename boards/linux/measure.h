@@ -11,6 +11,8 @@
 /// 10^-12 degrees.
 #define MEASURE_DEGREE UINT64_C(1000000000000)
 
+#define MEASURE_DEG_PER_RAD 57.295779513082320877
+
 struct measured_cone {
     /// Never below the true angle, also when it is read as a double: at most 2e-12 degrees above
     /// it. 0, 30, 45, 60 and 90 degrees are printed as such where the angle is exactly that.

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /// One more than any format has, so that a line with too many is noticed.
-enum { COLUMNS_MOST = 5 };
+enum { COLUMNS_MOST = 8 };
 
 /// Where a line stands, for messages, and what is wrong with it.
 struct place {
@@ -71,6 +71,11 @@ static bool read_xyz(struct place place, const struct points_word *columns,
     struct decimal point[3];
     for (int i = 0; i < 3; i++) {
         if (!read_decimal(place, columns[i], &point[i])) {
+            return false;
+        }
+        if (format->bounds != NULL &&
+            !bounds_add(format->bounds, i, columns[i].text, columns[i].size, &point[i])) {
+            message_at(place.file, place.line, "no memory");
             return false;
         }
     }
@@ -231,31 +236,15 @@ static bool read_columns(struct place place, const struct points_word *columns,
 /// What the columns of a line must be, in words.
 static const char *wanted_columns(const struct points_format *format) {
     if (format->input == POINTS_RADEC) {
-        return format->named ? "3 (name, right ascension, declination)"
-                             : "2 (right ascension, declination)";
+        return format->segments ? "4 (right ascension, declination, twice)"
+               : format->named  ? "3 (name, right ascension, declination)"
+                                : "2 (right ascension, declination)";
     }
-    return format->named ? "4 (name x y z)" : "3 (x y z)";
+    return format->segments ? "6 (x y z x y z)" : format->named ? "4 (name x y z)" : "3 (x y z)";
 }
 
-static enum exit_status read_line(struct place place, const char *text, size_t size,
+static enum exit_status add_point(struct place place, const struct points_word *columns, int first,
                                   const struct points_format *format, struct points *out) {
-    const char *const comment = memchr(text, '#', size);
-    struct points_word columns[COLUMNS_MOST];
-    const int count = split(text, comment != NULL ? comment : text + size, columns);
-    if (count == 0) {
-        return EXIT_STATUS_OK;
-    }
-    const int first = format->named ? 1 : 0;
-    const int wanted = first + (format->input == POINTS_RADEC ? 2 : 3);
-    if (count < 0) {
-        message_at(place.file, place.line, "an empty column: a comma without a value beside it");
-        return EXIT_STATUS_USAGE;
-    }
-    if (count != wanted) {
-        message_at(place.file, place.line, "%d column%s, not %s", count, count == 1 ? "" : "s",
-                   wanted_columns(format));
-        return EXIT_STATUS_USAGE;
-    }
     struct direction direction = {0};
     if (!read_columns(place, columns + first, format, &direction)) {
         return EXIT_STATUS_USAGE;
@@ -271,6 +260,32 @@ static enum exit_status read_line(struct place place, const char *text, size_t s
     out->fine_exact = out->fine_exact && direction.fine_exact;
     out->count++;
     return EXIT_STATUS_OK;
+}
+
+static enum exit_status read_line(struct place place, const char *text, size_t size,
+                                  const struct points_format *format, struct points *out) {
+    const char *const comment = memchr(text, '#', size);
+    struct points_word columns[COLUMNS_MOST];
+    const int count = split(text, comment != NULL ? comment : text + size, columns);
+    if (count == 0) {
+        return EXIT_STATUS_OK;
+    }
+    const int first = format->named ? 1 : 0, of_point = format->input == POINTS_RADEC ? 2 : 3;
+    const int wanted = first + of_point * (format->segments ? 2 : 1);
+    if (count < 0) {
+        message_at(place.file, place.line, "an empty column: a comma without a value beside it");
+        return EXIT_STATUS_USAGE;
+    }
+    if (count != wanted) {
+        message_at(place.file, place.line, "%d column%s, not %s", count, count == 1 ? "" : "s",
+                   wanted_columns(format));
+        return EXIT_STATUS_USAGE;
+    }
+    enum exit_status status = EXIT_STATUS_OK;
+    for (int at = first; at < wanted && status == EXIT_STATUS_OK; at += of_point) {
+        status = add_point(place, columns, at, format, out);
+    }
+    return status;
 }
 
 static enum exit_status read_all(struct lines *lines, const struct points_format *format,

@@ -3,6 +3,7 @@
 #ifndef LINUX_POINTS_H
 #define LINUX_POINTS_H
 
+#include "bounds.h"
 #include "direction.h"
 #include "message.h"
 
@@ -20,6 +21,8 @@ struct points_format {
     struct decimal viewpoint[3]; ///< for POINTS_XYZ
     /// The points themselves, not their directions from a viewpoint: POINTS_XYZ and POINTS_Q30.
     bool places;
+    bool segments;         ///< two points a line
+    struct bounds *bounds; ///< gets the box of the points; NULL: not wanted; for POINTS_XYZ
 };
 
 struct points {

@@ -1,68 +1,90 @@
 #include "aim/framing.h"
 
-#include "fixed/trig.h"
-#include "sphere/cone.h"
+#include "sphere/follow.h"
 
-/// The targets of positive weight, copied out only if there are others.
-static const struct vec3 *select_framed(const struct target_set *set,
-                                        struct framing_workspace *workspace, uint32_t *count) {
-    uint32_t framed = 0;
-    for (uint32_t i = 0; i < set->count; i++) {
-        framed += set->target[i].weight_q16 != 0U;
-    }
-    *count = framed;
-    if (framed == set->count) {
-        return set->direction_q30;
-    }
-    framed = 0;
-    for (uint32_t i = 0; i < set->count; i++) {
-        if (set->target[i].weight_q16 != 0U) {
-            workspace->direction_q30[framed++] = set->direction_q30[i];
-        }
-    }
-    return workspace->direction_q30;
+#include <stddef.h>
+
+static bool is_framed(const struct target_set *set, struct framing_choice choice, uint32_t place) {
+    const struct target *target = &set->target[place];
+    return target->weight_q16 != 0U && (!choice.one_object || target->object == choice.object);
 }
 
-/// Largest angle from the axis to the far rim of any framed target.
-static uint32_t widen_by_radii(const struct target_set *set, struct vec3 ahead_q30,
-                               uint32_t half_angle) {
-    for (uint32_t i = 0; i < set->count; i++) {
-        const struct target *target = &set->target[i];
-        if (target->weight_q16 == 0U || target->radius_bam32 == 0U) {
-            continue;
-        }
-        const struct vec3 direction = set->direction_q30[i];
-        const uint64_t across = vec3_i64_length(vec3_cross(ahead_q30, direction));
-        const bam32_t angle = trig_atan2((int64_t)across, vec3_dot_unit(ahead_q30, direction));
-        // One BAM up for the two roundings; angle and radius are at most a half and a quarter turn.
-        const uint32_t rim = angle.bam + target->radius_bam32 + 1U;
-        half_angle = rim > half_angle ? rim : half_angle;
+/// Fills workspace->place, unless all are framed; returns how many are.
+static uint32_t choose(const struct target_set *set, struct framing_choice choice,
+                       struct framing_workspace *workspace) {
+    uint32_t framed = 0;
+    if (set->muted_count == 0U && !choice.one_object) {
+        return set->count;
     }
-    return half_angle < BAM32_HALF ? half_angle : BAM32_HALF;
+    for (uint32_t i = 0; i < set->count; i++) {
+        if (is_framed(set, choice, i)) {
+            workspace->place[framed++] = (uint16_t)i;
+        }
+    }
+    return framed;
+}
+
+/// The places of the remembered targets that are still framed.
+static void recall(const struct target_set *set, struct framing_choice choice,
+                   const struct framing_memory *memory, uint32_t place[4],
+                   struct follow_input *input) {
+    input->warm = place;
+    input->pending_step = memory->pending_step;
+    for (uint8_t i = 0; i < memory->count; i++) {
+        uint32_t *next = &place[input->warm_count];
+        if (target_set_find(set, memory->id[i], next) && is_framed(set, choice, *next)) {
+            input->warm_count++;
+            input->pending = memory->pending && i + 1U == memory->count;
+        }
+    }
+}
+
+static void remember(const struct target_set *set, const struct follow_result *found,
+                     struct framing_memory *memory) {
+    memory->pending = found->pending;
+    memory->pending_step = found->pending_step;
+    memory->count = (uint8_t)(found->support_count + found->pending);
+    for (uint8_t i = 0; i < memory->count; i++) {
+        memory->id[i] = set->target[found->support[i]].id;
+    }
+}
+
+enum framing_status framing_follow(const struct target_set *set, struct framing_choice choice,
+                                   struct framing_memory *memory, uint32_t work_limit,
+                                   struct framing_workspace *workspace, struct framing *framing) {
+    uint32_t warm[4];
+    const uint32_t count = choose(set, choice, workspace);
+    struct follow_input input = {.centre_q30 = set->direction_q30,
+                                 .radius = set->sized_count != 0U ? set->radius : NULL,
+                                 .member = count != set->count ? workspace->place : NULL,
+                                 .count = count,
+                                 .work_limit = work_limit};
+    struct follow_result found;
+    recall(set, choice, memory, warm, &input);
+    enum follow_status status = follow_narrowest(&input, &found);
+    framing->work = found.work;
+    if (status == FOLLOW_INFEASIBLE && input.radius != NULL) { // a picture can't hold them whole
+        input.radius = NULL;
+        status = follow_narrowest(&input, &found);
+        framing->work += found.work;
+        found.half_angle = bam32(BAM32_HALF);
+    }
+    remember(set, &found, memory);
+    framing->framed_count = count;
+    framing->refining = status == FOLLOW_UNFINISHED;
+    if (status == FOLLOW_OK ||
+        (status == FOLLOW_UNFINISHED && found.half_angle.bam < BAM32_QUARTER)) {
+        framing->status = FRAMING_OK;
+        framing->ahead_q30 = found.axis_q30;
+        framing->half_angle_bam32 = found.half_angle;
+    } else if (status != FOLLOW_UNFINISHED) {
+        framing->status = status == FOLLOW_EMPTY ? FRAMING_EMPTY : FRAMING_INFEASIBLE;
+    }
+    return framing->status;
 }
 
 enum framing_status framing_solve(const struct target_set *set, struct framing_workspace *workspace,
                                   struct framing *framing) {
-    uint32_t count;
-    const struct vec3 *directions = select_framed(set, workspace, &count);
-    struct cone_result cone;
-    framing->framed_count = count;
-    const struct cone_options options = {.lengths = CONE_LENGTHS_UNIT,
-                                         .workspace = workspace->notes,
-                                         .workspace_bytes = sizeof workspace->notes};
-    switch (cone_narrowest(directions, count, &options, &cone)) {
-    case CONE_OK:
-        framing->ahead_q30 = cone.axis_q30;
-        framing->half_angle_bam32 =
-            bam32(widen_by_radii(set, cone.axis_q30, cone.half_angle_bam32.bam));
-        framing->status = FRAMING_OK;
-        break;
-    case CONE_EMPTY:
-        framing->status = FRAMING_EMPTY;
-        break;
-    default:
-        framing->status = FRAMING_INFEASIBLE;
-        break;
-    }
-    return framing->status;
+    const struct framing_choice all = {0};
+    return framing_follow(set, all, &workspace->memory, 0, workspace, framing);
 }

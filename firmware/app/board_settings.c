@@ -1,5 +1,7 @@
 #include "app/board_settings.h"
 
+#include <stddef.h>
+
 #define MICRO       INT64_C(1000000)
 #define TURN_MICRO  (360 * MICRO)
 #define RANGE_MICRO (3600 * MICRO)

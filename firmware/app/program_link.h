@@ -3,10 +3,9 @@
 /// docs/link.md has the format with examples. One program owns the board at a time; only its lines
 /// count, but a stop is obeyed from anybody. An owner that says nothing for half a second has lost
 /// the board: it stops, and forgets the targets. A line is obeyed once, however often it comes.
-/// The lines of one frame reach the controller in one tick, however long they take to come.
-/// Work is bounded: a line of targets is read PROGRAM_LINK_TARGETS_MAX at a time, and the next line
-/// only after that.
-/// Shown: tests/unit/test_program_link.c.
+/// The lines of one frame reach the pump together, however long they take to come, and make one
+/// aim. Work is bounded: a line of targets is read PROGRAM_LINK_TARGETS_MAX at a time, and the next
+/// line only after that. Shown: tests/unit/test_program_link.c.
 #ifndef APP_PROGRAM_LINK_H
 #define APP_PROGRAM_LINK_H
 

@@ -19,6 +19,7 @@ bool pump_init(struct pump *pump, struct controller *controller,
     pump->controller = controller;
     pump_forget(pump);
     pump->commands = 0;
+    pump->pan_set = pump->input.pan_set = false;
     pump->input.frame_count = pump->input.update_count = 0;
     pump->errors = (struct pump_errors){0};
     pump->output = (struct controller_output){0};
@@ -57,6 +58,11 @@ void pump_forget(struct pump *pump) {
 
 void pump_command(struct pump *pump, uint32_t commands) {
     pump->commands |= commands;
+}
+
+void pump_pan(struct pump *pump, const struct controller_pan *pan) {
+    pump->pan = *pan;
+    pump->pan_set = true;
 }
 
 /// Frames that do not fit into one tick wait in the device's queue.
@@ -122,6 +128,9 @@ void pump_step(struct pump *pump) {
     pump->input.now_us = hal_clock_now_us(pump->devices.clock);
     pump->input.commands = pump->commands;
     pump->commands = 0;
+    pump->input.pan_set = pump->pan_set;
+    pump->input.pan = pump->pan;
+    pump->pan_set = false;
     read_frames(pump);
     read_updates(pump);
     controller_step(pump->controller, &pump->input, &pump->output);

@@ -34,8 +34,7 @@ struct pump_errors {
     uint32_t updates_dropped; ///< more came between two ticks than PUMP_UPDATES_MAX
 };
 
-#define PUMP_UPDATES_MAX                                                                           \
-    128U ///< two ticks' worth; a source that gets `false` keeps the rest for the next tick
+#define PUMP_UPDATES_MAX 128U ///< a source that gets `false` keeps the rest for the next tick
 
 struct pump {
     struct pump_devices devices;
@@ -45,6 +44,8 @@ struct pump {
     bool holds;
     struct target_update update[PUMP_UPDATES_MAX]; ///< waiting for a tick, a ring
     uint32_t commands;
+    bool pan_set;
+    struct controller_pan pan;
     uint32_t pulse_ns[AXIS_COUNT];   ///< as last written; UINT32_MAX: never
     struct controller_input input;   ///< of the last tick, for a recorder
     struct controller_output output; ///< of the last tick
@@ -70,6 +71,9 @@ void pump_forget(struct pump *pump);
 
 /// Gives commands to the next tick. Several before one tick are or-ed.
 void pump_command(struct pump *pump, uint32_t commands);
+
+/// Gives a pan to the next tick. Of several before one tick the last counts.
+void pump_pan(struct pump *pump, const struct controller_pan *pan);
 
 /// One tick. Call it once per config->tick_us. Never blocks.
 void pump_step(struct pump *pump);

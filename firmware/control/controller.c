@@ -66,6 +66,13 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     target_set_init(&c->targets, config->position_um, config->target_expiry_us);
     c->aim_reports = c->targets.rest_reports;
     c->framing = (struct framing){.status = FRAMING_EMPTY};
+    c->view = (struct controller_view){.framing = c->framing, .framed_version = c->targets.version};
+    c->from = c->view;
+    c->panning = false;
+    c->pan_started_us = 0;
+    c->pan_duration_us = 0;
+    c->pan_path = PAN_BY_SUM;
+    c->full_ticks = 0;
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
     c->zoom_focal_um = 0;
@@ -130,6 +137,8 @@ static void take_updates(struct controller *c, const struct controller_input *in
             target_set_apply(&c->targets, &input->update[i], c->time_us) != TARGET_OK;
     }
     (void)target_set_expire(&c->targets, c->time_us);
+    const bool full = count == CONTROLLER_UPDATES_MAX && c->full_ticks < CONTROLLER_WAIT_TICKS_MAX;
+    c->full_ticks = full ? c->full_ticks + 1U : 0U;
 }
 
 // ---------------------------------------------------------------- faults
@@ -267,7 +276,7 @@ static void arm(struct controller *c) {
     }
     tracker_reset(&c->tracker[AXIS_PAN]);
     tracker_reset(&c->tracker[AXIS_TILT]);
-    c->framed_version = c->targets.version - 1U; // aim anew
+    c->framed_version = c->view.framed_version = c->targets.version - 1U; // aim anew
     c->faults = 0;
     c->arm_wanted = false;
     c->mode = MODE_SETTLING;
@@ -317,6 +326,9 @@ void controller_step(struct controller *c, const struct controller_input *input,
     if ((c->faults & FAULT_CONFIG) == 0U) { // else nothing can be relied on
         take_frames(c, input);
         take_updates(c, input);
+        if (input->pan_set) {
+            controller_start_pan(c, &input->pan);
+        }
         take_commands(c, input->commands); // given before the faults of this tick were known
         check_faults(c);
         controller_aim(c);

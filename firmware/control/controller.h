@@ -16,6 +16,7 @@
 #define CONTROL_CONTROLLER_H
 
 #include "aim/framing.h"
+#include "aim/pan.h"
 #include "drive/drive.h"
 #include "fixed/must_check.h"
 #include "motion/axis.h"
@@ -60,13 +61,24 @@ enum controller_command {
     COMMAND_STOP = 2, ///< decelerate and hold until armed again; wins over COMMAND_ARM
 };
 
+/// Look at something else from now on: at all targets, or at one object. In between, equation 18
+/// with minimum-jerk weights; no direction needs to see both. Where the new one is not there yet,
+/// the pan waits where it is.
+struct controller_pan {
+    struct framing_choice choice;
+    uint32_t duration_us; ///< 0: at once
+    enum pan_path path;
+};
+
 #define CONTROLLER_FRAMES_IN_MAX  16U ///< a 1 Mbit/s bus carries 9 a millisecond
 #define CONTROLLER_FRAMES_OUT_MAX 4U
-#define CONTROLLER_UPDATES_MAX    64U
+#define CONTROLLER_UPDATES_MAX    16U
 
 struct controller_input {
     uint32_t now_us;   ///< wraps. If it runs backwards, no time passes and the tick counts as late
     uint32_t commands; ///< enum controller_command, or-ed
+    bool pan_set;      ///< pan holds a command
+    struct controller_pan pan;
     uint32_t frame_count, update_count;
     struct can_frame frame[CONTROLLER_FRAMES_IN_MAX];
     struct target_update
@@ -106,8 +118,9 @@ struct controller_status {
     uint32_t faults;    ///< enum controller_fault
     uint8_t fault_axis; ///< which axis raised the last fault
     struct controller_axis_status axis[AXIS_COUNT];
-    struct framing framing; ///< of the targets now
-    uint32_t focal_um;      ///< of the setpoint; 0 without zoom
+    struct framing framing; ///< of the targets now; during a pan, between the two
+    bool panning;
+    uint32_t focal_um; ///< of the setpoint; 0 without zoom
     uint32_t target_count;
     uint32_t updates_rejected, frames_ignored; ///< counted since the start
     uint32_t aims_solved;
@@ -124,14 +137,33 @@ struct controller_output {
 
 // ---------------------------------------------------------------- the controller
 
+/// What is looked at, and its frame.
+struct controller_view {
+    struct framing_choice choice;
+    struct framing_memory memory;
+    struct framing framing;
+    uint32_t framed_version; ///< of the target set that it was solved for
+    bool held;               ///< not solved any more: where a pan was broken off
+};
+
+/// A tick that brings CONTROLLER_UPDATES_MAX updates is taken for a part of a frame: the aim waits
+/// for the rest, so that it is not worked out for half of a frame. At most so many ticks in a row.
+#define CONTROLLER_WAIT_TICKS_MAX (TARGET_CAPACITY / CONTROLLER_UPDATES_MAX)
+
 /// About 20 KiB (make size); no pointers but to its configuration, so it can be copied.
 struct controller {
     const struct controller_config *config;
     struct mount mount;
     struct target_set targets;
     struct framing_workspace framing_workspace;
-    struct framing framing;
+    struct framing framing;            ///< what is aimed at: the view's, or between two
+    struct controller_view view, from; ///< from: of a pan
+    bool panning;
+    uint64_t pan_started_us;
+    uint32_t pan_duration_us;
+    enum pan_path pan_path;
     uint32_t framed_version; ///< of the target set that framing was solved for
+    uint32_t full_ticks;     ///< in a row, that brought CONTROLLER_UPDATES_MAX updates
     uint32_t aim_reports;    ///< targets.rest_reports when the trackers were last told
     struct limiter limiter[AXIS_COUNT];
     struct drive drive[AXIS_COUNT];

@@ -41,8 +41,8 @@ static bam32_t pointing_error(const struct controller *c, struct mount_joints jo
 static void aim_zoom(struct controller *c) {
     const struct mount_joints joints = {axis_to_bam32(c->setpoint_q48[AXIS_PAN]),
                                         axis_to_bam32(c->setpoint_q48[AXIS_TILT])};
-    if (c->zoom_version == c->framed_version && joints.pan.bam == c->zoom_joints.pan.bam &&
-        joints.tilt.bam == c->zoom_joints.tilt.bam) {
+    if (!c->panning && c->zoom_version == c->framed_version &&
+        joints.pan.bam == c->zoom_joints.pan.bam && joints.tilt.bam == c->zoom_joints.tilt.bam) {
         return; // nothing moved
     }
     c->zoom_version = c->framed_version;
@@ -56,16 +56,16 @@ static void aim_zoom(struct controller *c) {
 void controller_aim(struct controller *c) {
     tracker_advance(&c->tracker[AXIS_PAN], &c->config->tracker);
     tracker_advance(&c->tracker[AXIS_TILT], &c->config->tracker);
-    if (c->framed_version != c->targets.version) {
-        c->framed_version = c->targets.version;
-        c->aims_solved++;
-        if (framing_solve(&c->targets, &c->framing_workspace, &c->framing) == FRAMING_OK) {
+    const bool waits = c->full_ticks != 0U; // for the rest of a frame
+    if (!waits && controller_look(c)) {
+        if (c->framing.status == FRAMING_OK) {
             take_aim(c);
         } else {
             tracker_reset(&c->tracker[AXIS_PAN]);
             tracker_reset(&c->tracker[AXIS_TILT]);
         }
-    } else if (c->aim_reports != c->targets.rest_reports && c->framing.status == FRAMING_OK) {
+    } else if (!waits && c->aim_reports != c->targets.rest_reports &&
+               c->framing.status == FRAMING_OK) {
         take_aim(c); // the same aim again: that it stands still is news
     }
     c->aim_reports = c->targets.rest_reports;
@@ -136,6 +136,7 @@ void controller_report(struct controller *c, struct controller_output *output) {
                                             .restarts = c->restarts[axis]};
     }
     status->framing = c->framing;
+    status->panning = c->panning;
     status->focal_um =
         has_zoom(c) ? lens_focal_at_um(&c->config->lens, c->setpoint_q48[AXIS_ZOOM]) : 0U;
     status->target_count = c->targets.count;

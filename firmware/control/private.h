@@ -4,6 +4,12 @@
 
 #include "control/controller.h"
 
+/// Takes up a pan.
+void controller_start_pan(struct controller *controller, const struct controller_pan *pan);
+
+/// Works out where to look: the framing of the view, or between two. Returns whether it is new.
+bool controller_look(struct controller *controller);
+
 /// Solves the framing if the targets changed, and turns it into goals for the axes.
 void controller_aim(struct controller *controller);
 

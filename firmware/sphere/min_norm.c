@@ -231,6 +231,12 @@ void min_norm_start(struct min_norm *support, const struct min_norm_point *point
     support->exact_known = support->side_known = false;
 }
 
+bool min_norm_hold(struct min_norm *support, const struct min_norm_point *points, unsigned count,
+                   bool unit) {
+    support->unit = unit;
+    return hold_subset(support, points, count, (1U << count) - 1U);
+}
+
 /// The subsets that can hold the nearest point once a new point has entered, which is in every one
 /// of them, since it violates the old support: which of the old points are beside it. Pairs first:
 /// they are the cheapest to refuse. Bit k is old point k.

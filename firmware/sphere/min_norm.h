@@ -46,6 +46,11 @@ struct min_norm {
 /// One point, not zero. unit: whether this and all later points are unit vectors.
 void min_norm_start(struct min_norm *support, const struct min_norm_point *point, bool unit);
 
+/// One to three points at once, unit as above. False: the hull's point of least norm does not lie
+/// inside it, and the support is not set. Cost: one subset of min_norm_enter.
+bool min_norm_hold(struct min_norm *support, const struct min_norm_point *points, unsigned count,
+                   bool unit) MUST_CHECK;
+
 /// Does the point lie on the near side of the plane through the nearest point, so that it would
 /// shorten the norm? Exact.
 bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point *point);

@@ -37,21 +37,29 @@ static void free_slot(struct target_set *set, uint32_t slot) {
 
 static void clear(struct target_set *set) {
     set->version += set->count != 0U;
-    set->count = set->moving_count = 0;
+    set->count = set->moving_count = set->sized_count = set->muted_count = 0;
     for (uint32_t slot = 0; slot < TARGET_INDEX_SIZE; slot++) {
         set->slot[slot] = 0;
     }
+}
+
+/// The counts forget the target at `place`.
+static void leave(struct target_set *set, uint32_t place) {
+    set->sized_count -= set->target[place].radius_bam32 != 0U;
+    set->muted_count -= set->target[place].weight_q16 == 0U;
 }
 
 /// Takes the target at `place` out; the last one takes its place.
 static void remove_at(struct target_set *set, uint32_t place) {
     const uint32_t last = set->count - 1U;
     set->moving_count -= set->target[place].moves;
+    leave(set, place);
     free_slot(set, find_slot(set, set->target[place].id));
     if (place != last) {
         set->slot[find_slot(set, set->target[last].id)] = (uint16_t)(place + 1U);
         set->target[place] = set->target[last];
         set->direction_q30[place] = set->direction_q30[last];
+        set->radius[place] = set->radius[last];
     }
     set->count = last;
     set->version++;
@@ -79,8 +87,13 @@ static enum target_status see_position(const struct target_set *set,
         return TARGET_ERROR_RANGE;
     }
     const struct vec3_i64 offset = vec3_i64_sub(position, set->viewpoint_um);
+    *seen_q30 = vec3_i64_normalise(offset);
+    *radius_bam32 = 0;
+    if (update->radius_um == 0U) {
+        return vec3_is_zero(*seen_q30) ? TARGET_ERROR_VIEWPOINT : TARGET_OK;
+    }
     // The cone that touches the sphere: opposite side radius, adjacent side the tangent,
-    // sqrt(distance^2 - radius^2). A position at the viewpoint has a square of zero, too.
+    // sqrt(distance^2 - radius^2).
     const uint64_t radius = update->radius_um;
     const struct i128 tangent2 =
         i128_sub(vec3_i64_dot(offset, offset), (struct i128){radius * radius, 0});
@@ -88,8 +101,7 @@ static enum target_status see_position(const struct target_set *set,
         return TARGET_ERROR_VIEWPOINT;
     }
     const uint64_t tangent = root_u128((struct u128){tangent2.lo, (uint64_t)tangent2.hi});
-    *seen_q30 = vec3_i64_normalise(offset);
-    *radius_bam32 = radius == 0U ? 0U : trig_atan2((int64_t)radius, (int64_t)tangent).bam + 1U;
+    *radius_bam32 = trig_atan2((int64_t)radius, (int64_t)tangent).bam + 1U;
     return TARGET_OK;
 }
 
@@ -103,6 +115,19 @@ static enum target_status see_direction(const struct target_update *update, stru
     return TARGET_OK;
 }
 
+/// Writes what was seen of a target; nothing of another may be there.
+static void put(struct target_set *set, uint32_t place, struct vec3 seen_q30,
+                const struct target *seen) {
+    const bam32_t angle = bam32(seen->radius_bam32);
+    const bool sized = seen->radius_bam32 != 0U;
+    const struct sincos of_angle = sized ? trig_sincos(angle) : (struct sincos){0, Q30_ONE};
+    set->direction_q30[place] = seen_q30;
+    set->radius[place] = (struct follow_radius){angle, of_angle.sin_q30, of_angle.cos_q30};
+    set->sized_count += sized;
+    set->muted_count += seen->weight_q16 == 0U;
+    set->target[place] = *seen;
+}
+
 /// Takes a new report of a target. One that changes nothing needs no new solution, but tells that
 /// the target has come to rest.
 static void replace(struct target_set *set, uint32_t place, struct vec3 seen_q30,
@@ -114,8 +139,8 @@ static void replace(struct target_set *set, uint32_t place, struct vec3 seen_q30
     set->moving_count += (uint32_t)changed - (uint32_t)target->moves;
     set->version += changed;
     set->rest_reports += !changed && set->moving_count == 0U;
-    set->direction_q30[place] = seen_q30;
-    *target = *seen;
+    leave(set, place);
+    put(set, place, seen_q30, seen);
     target->moves = changed;
 }
 
@@ -146,8 +171,7 @@ static enum target_status store(struct target_set *set, const struct target_upda
     set->oldest_us = set->count == 0U ? now_us : set->oldest_us;
     place = set->count++;
     set->slot[find_slot(set, update->id)] = (uint16_t)(place + 1U);
-    set->direction_q30[place] = seen_q30;
-    set->target[place] = seen;
+    put(set, place, seen_q30, &seen);
     set->version++;
     return TARGET_OK;
 }

@@ -10,6 +10,7 @@
 #include "fixed/bam32.h"
 #include "fixed/must_check.h"
 #include "fixed/vec3.h"
+#include "sphere/follow.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -73,6 +74,8 @@ struct target_set {
     uint32_t rest_reports;
     uint32_t moving_count; ///< targets that move
     struct vec3 direction_q30[TARGET_CAPACITY];
+    struct follow_radius radius[TARGET_CAPACITY]; ///< target[].radius_bam32, as the solver takes it
+    uint32_t sized_count, muted_count;            ///< targets with a radius; of weight 0
     struct target target[TARGET_CAPACITY];
 
     struct vec3_i64 viewpoint_um;

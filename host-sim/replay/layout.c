@@ -30,8 +30,16 @@ static struct layout_field target_update_fields[] =
 };
 struct layout layout_target_update = LAYOUT(target_update, target_update_fields);
 
+static struct layout_field controller_pan_fields[] = {
+    SAME(controller_pan, choice),
+    SAME(controller_pan, duration_us),
+    ENUM(controller_pan, path),
+};
+struct layout layout_controller_pan = LAYOUT(controller_pan, controller_pan_fields);
+
 static struct layout_field controller_input_fields[] = {
     SAME(controller_input, now_us),      SAME(controller_input, commands),
+    SAME(controller_input, pan_set),     STRUCT(controller_input, pan, controller_pan),
     SAME(controller_input, frame_count), SAME(controller_input, update_count),
     SAME(controller_input, frame),       STRUCT(controller_input, update, target_update),
 };
@@ -40,25 +48,18 @@ struct layout layout_controller_input = LAYOUT(controller_input, controller_inpu
 // ---------------------------------------------------------------- outputs
 
 static struct layout_field framing_fields[] = {
-    SIGNED_ENUM(framing, status),
-    SAME(framing, ahead_q30),
-    SAME(framing, half_angle_bam32),
-    SAME(framing, framed_count),
+    SIGNED_ENUM(framing, status), SAME(framing, ahead_q30), SAME(framing, half_angle_bam32),
+    SAME(framing, framed_count),  SAME(framing, refining),  SAME(framing, work),
 };
 static struct layout layout_framing = LAYOUT(framing, framing_fields);
 
 static struct layout_field controller_status_fields[] = {
-    SAME(controller_status, time_us),
-    ENUM(controller_status, mode),
-    SAME(controller_status, faults),
-    SAME(controller_status, fault_axis),
-    SAME(controller_status, axis),
-    STRUCT(controller_status, framing, framing),
-    SAME(controller_status, focal_um),
-    SAME(controller_status, target_count),
-    SAME(controller_status, updates_rejected),
-    SAME(controller_status, frames_ignored),
-    SAME(controller_status, aims_solved),
+    SAME(controller_status, time_us),        ENUM(controller_status, mode),
+    SAME(controller_status, faults),         SAME(controller_status, fault_axis),
+    SAME(controller_status, axis),           STRUCT(controller_status, framing, framing),
+    SAME(controller_status, panning),        SAME(controller_status, focal_um),
+    SAME(controller_status, target_count),   SAME(controller_status, updates_rejected),
+    SAME(controller_status, frames_ignored), SAME(controller_status, aims_solved),
 };
 static struct layout layout_controller_status = LAYOUT(controller_status, controller_status_fields);
 
@@ -119,13 +120,30 @@ static struct layout_field drive_fields[] = {
 };
 static struct layout layout_drive = LAYOUT(drive, drive_fields);
 
+static struct layout_field controller_view_fields[] = {
+    SAME(controller_view, choice),
+    SAME(controller_view, memory),
+    STRUCT(controller_view, framing, framing),
+    SAME(controller_view, framed_version),
+    SAME(controller_view, held),
+};
+static struct layout layout_controller_view = LAYOUT(controller_view, controller_view_fields);
+
 static struct layout_field controller_fields[] = {
     POINTER(controller, config),
     SAME(controller, mount),
     SAME(controller, targets),
     SAME(controller, framing_workspace),
     STRUCT(controller, framing, framing),
+    STRUCT(controller, view, controller_view),
+    STRUCT(controller, from, controller_view),
+    SAME(controller, panning),
+    SAME(controller, pan_started_us),
+    SAME(controller, pan_duration_us),
+    ENUM(controller, pan_path),
     SAME(controller, framed_version),
+    SAME(controller, full_ticks),
+    SAME(controller, aim_reports),
     STRUCT(controller, limiter, limiter),
     STRUCT(controller, drive, drive),
     SAME(controller, tracker),
@@ -156,6 +174,7 @@ static struct layout_field controller_fields[] = {
 struct layout layout_controller = LAYOUT(controller, controller_fields);
 
 static struct layout *const all[] = {&layout_target_update,
+                                     &layout_controller_pan,
                                      &layout_controller_input,
                                      &layout_framing,
                                      &layout_controller_status,
@@ -165,6 +184,7 @@ static struct layout *const all[] = {&layout_target_update,
                                      &layout_controller_config,
                                      &layout_limiter,
                                      &layout_drive,
+                                     &layout_controller_view,
                                      &layout_controller};
 
 // ---------------------------------------------------------------- over there

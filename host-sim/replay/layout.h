@@ -42,8 +42,8 @@ struct layout {
     uint32_t arm_bytes, arm_align;
 };
 
-extern struct layout layout_target_update, layout_controller_input, layout_controller_output,
-    layout_controller_config, layout_controller;
+extern struct layout layout_target_update, layout_controller_pan, layout_controller_input,
+    layout_controller_output, layout_controller_config, layout_controller;
 
 uint32_t layout_arm_bytes(struct layout *layout);
 

@@ -82,6 +82,10 @@ void recorder_tick(struct recorder *recorder, const struct controller_input *inp
     }
     FILE *file = recorder->file;
     fprintf(file, "t %" PRIu32 " %" PRIu32, input->now_us, input->commands);
+    if (input->pan_set) {
+        fputs(" p ", file);
+        write_struct(file, &layout_controller_pan, &input->pan);
+    }
     for (uint32_t i = 0; i < input->frame_count && i < CONTROLLER_FRAMES_IN_MAX; i++) {
         const struct can_frame *frame = &input->frame[i];
         fprintf(file, " f %" PRIx32 " %x ", frame->id, frame->flags);
@@ -194,12 +198,16 @@ static void read_tick(struct reader *reader, struct replay *replay) {
     reader->input.now_us = (uint32_t)next_number(reader, 10, UINT32_MAX);
     reader->input.commands = (uint32_t)next_number(reader, 10, UINT32_MAX);
     reader->input.frame_count = reader->input.update_count = 0;
+    reader->input.pan_set = false;
     while (!reader->failed && *reader->at != '\0') {
         const char *word = next_word(reader);
         if (strcmp(word, "f") == 0) {
             read_frame(reader);
         } else if (strcmp(word, "u") == 0) {
             read_update(reader);
+        } else if (strcmp(word, "p") == 0) {
+            next_struct(reader, &layout_controller_pan, &reader->input.pan);
+            reader->input.pan_set = true;
         } else {
             reader->failed = true;
         }

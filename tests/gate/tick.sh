@@ -12,7 +12,7 @@ count() { # ELF [ICOUNT]
 # Ends with 1 if a scene is missing or costs too much. Those without a limit are shown only.
 within() { # COUNTS
     printf '%s\n' "$1" | awk -v cycles=$tick_cycles -v percent=$percent '
-        BEGIN { split("crowd wide ring", name, " "); for (i in name) wanted[name[i]] = 1 }
+        BEGIN { split("crowd wide narrow ring radii burst jumps hard", name, " "); for (i in name) wanted[name[i]] = 1 }
         $1 != "tick" { print "# " $0; wrong = 1; next }
         {
             part = 100 * $3 / cycles

@@ -1,5 +1,5 @@
 /// The frame of random sets with radii and weights, against long double: it holds every framed
-/// target's rim, and is no wider than the widest asks for.
+/// target's rim, and is at most 9 BAM wider than the widest asks for.
 #include "check.h"
 
 #include "aim/framing.h"
@@ -70,8 +70,12 @@ static void frames_hold_every_rim(void) {
         }
         const long double got = framing.half_angle_bam32.bam;
         CHECK_EQ(framing.framed_count, framed);
-        CHECK(got >= fminl(widest, 2147483648.0L));
-        CHECK(got <= widest + 3.0L);
+        if (framing.half_angle_bam32.bam == BAM32_HALF) { // no picture holds the rims
+            CHECK(widest > 1073741824.0L - 700.0L);
+            continue;
+        }
+        CHECK(got >= widest);
+        CHECK(got <= widest + 9.0L);
         most = fmaxl(most, got - widest);
         solved++;
     }

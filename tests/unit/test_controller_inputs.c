@@ -243,7 +243,7 @@ static void the_set_is_full(void) {
     rig_init();
     for (uint32_t i = 0; i < 300U; i++) {
         rig_target(i, (int)i, 0);
-        if (i % 50U == 49U) {
+        if (i % 15U == 14U) {
             rig_tick();
         }
     }
@@ -253,6 +253,33 @@ static void the_set_is_full(void) {
     rig_target(1000, 0, 0);
     rig_tick();
     CHECK_EQ(rig.output.status.target_count, 1);
+}
+
+/// A tick full of updates may hold half of a frame: the aim waits for the rest, but not for ever.
+static void the_aim_waits_for_a_frame(void) {
+    rig_init();
+    rig_arm();
+    rig_target(0, 0, 0);
+    rig_tick();
+    const uint32_t solved = rig.output.status.aims_solved;
+    for (uint32_t i = 0; i < 2U * CONTROLLER_UPDATES_MAX; i++) {
+        rig_target(i, (int)i, 0);
+        if (i % CONTROLLER_UPDATES_MAX == CONTROLLER_UPDATES_MAX - 1U) {
+            rig_tick();
+            CHECK_EQ(rig.output.status.aims_solved, solved);
+            CHECK_EQ(rig.output.status.framing.framed_count, 1);
+        }
+    }
+    rig_tick();
+    CHECK_EQ(rig.output.status.aims_solved, solved + 1U);
+    CHECK_EQ(rig.output.status.framing.framed_count, 2U * CONTROLLER_UPDATES_MAX);
+    for (uint32_t tick = 0; tick < 2U * (CONTROLLER_WAIT_TICKS_MAX + 1U); tick++) {
+        for (uint32_t i = 0; i < CONTROLLER_UPDATES_MAX; i++) {
+            rig_target(i, (int)(i + tick), 0);
+        }
+        rig_tick();
+    }
+    CHECK_EQ(rig.output.status.aims_solved, solved + 3U);
 }
 
 /// Random bytes in every field of the input, also from the drives' own ids.
@@ -329,6 +356,7 @@ int main(void) {
     TEST(a_controller_can_be_copied);
     TEST(inputs_beyond_the_maxima_are_cut_off);
     TEST(the_set_is_full);
+    TEST(the_aim_waits_for_a_frame);
     TEST(random_inputs);
     TEST(modes_and_faults_have_names);
     return check_finish();

@@ -72,8 +72,8 @@ static void a_frame_in_one_tick(void) {
     uint32_t steps = 0, before = 0;
     for (uint32_t i = 0; i < 60U; i++) {
         desk_ticks(1);
-        steps += desk_loop.controller.targets.count != before;
-        before = desk_loop.controller.targets.count;
+        steps += desk_loop.controller.framing.framed_count != before;
+        before = desk_loop.controller.framing.framed_count;
     }
     CHECK(steps == 1U && before == 64U);
     // The last line lost: what came is taken after a while, and the next frame is one again.

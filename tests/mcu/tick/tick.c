@@ -213,13 +213,18 @@ struct scene {
 /// A serial line of 115,200 baud carries 11.5 characters a tick, and a report has six at least.
 #define LINE_REPORTS 2U
 
+/// With one more the controller would wait for the rest of a frame.
+#define FULL_REPORTS (CONTROLLER_UPDATES_MAX - 1U)
+
 static const struct scene scenes[] = {
     {"crowd", 8000000, 6000, 0, false, LINE_REPORTS},
     {"wide", 80000000, 40000, 0, false, LINE_REPORTS},
     {"narrow", 30000, 20, 0, false, LINE_REPORTS},
     {"ring", 8000000, 3000, 0, true, LINE_REPORTS},
     {"radii", 8000000, 6000, 250000, false, LINE_REPORTS},
-    {"burst", 8000000, 6000, 0, false, CONTROLLER_UPDATES_MAX},
+    {"burst", 8000000, 6000, 0, false, FULL_REPORTS},
+    {"jumps", 8000000, 4000000, 0, true, FULL_REPORTS},
+    {"hard", 8000000, 4000000, 250000, true, FULL_REPORTS},
 };
 _Static_assert(TARGET_CAPACITY == 256U, "the budgets are those of 256 targets");
 

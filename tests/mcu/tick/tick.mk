@@ -11,7 +11,7 @@ $(B)/mcu/tick/%.o: tests/mcu/tick/%.c
 
 $(B)/mcu/tick/tick.elf: $(B)/mcu/tick/tick.o
 $(B)/mcu/tick/planted.elf: $(B)/mcu/tick/tick.o $(B)/mcu/tick/plant.o
-$(B)/mcu/tick/planted.elf: tick_wrap := -Wl,--wrap=framing_solve
+$(B)/mcu/tick/planted.elf: tick_wrap := -Wl,--wrap=framing_follow
 $(B)/mcu/tick/tick.elf $(B)/mcu/tick/planted.elf: $(tick_o) boards/mps2/board.ld boards/sections.ld
 	$(say) LD $@
 	arm-none-eabi-gcc -mthumb -mcpu=cortex-m4 -nostdlib -nostartfiles -Lboards -T boards/mps2/board.ld \

@@ -1,0 +1,75 @@
+#!/bin/sh
+# Draws the figures of docs/geometry.md from what `boresight` prints: `make figures`. Usage: draw.sh FOLDER
+# tests/gate/figures.sh checks that the ones here are what this build of the program draws.
+boresight=${BORESIGHT:-build/boresight}
+out=$1
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+
+# svg TITLE: results as text of `aim --project` on stdin to a picture of 360 x 240, the middle where the camera looks. The cone's
+# circle has the plot's radius; of a rectangle, the field of view tells the sides.
+svg() {
+    awk -v title="$1" -v radius="${2:-100}" '
+        function put(x1, y1, x2, y2, class) {
+            printf "<line class=\"%s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>\n", class, 180 + x1, 120 - y1, 180 + x2, 120 - y2
+        }
+        function tangent(degrees) { degrees *= 0.017453292519943295; return sin(degrees) / cos(degrees) }
+        BEGIN {
+            print "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 360 240\" width=\"360\" height=\"240\">"
+            print "<title>" title "</title>"
+            print "<style>line{stroke:#456;stroke-width:1.2}.ray{stroke-dasharray:5 3}circle.cone,rect.frame{fill:none;stroke:#c40;stroke-width:1.2}"
+            print "circle.point{fill:#456}circle.support{fill:#c40}.axis{stroke:#999;stroke-width:.8}rect.paper{fill:#fff}</style>"
+            print "<rect class=\"paper\" width=\"360\" height=\"240\"/>"
+        }
+        $1 == "support" { for (i = 2; i <= NF; i++) holds[$i] = 1 }
+        $1 == "half_angle_deg" { half = $2 }
+        $1 == "hfov_deg" { hfov = $2 }
+        $1 == "vfov_deg" { vfov = $2 }
+        $1 == "scale" { scale = $2 }
+        $1 == "image" || $1 == "segments" { list = $1; next }
+        list == "segments" && $4 == "to" { put($2, $3, $5, $6, "edge") }
+        list == "segments" && $4 == "direction" { put($2, $3, $2 + 400 * $5, $3 + 400 * $6, "ray") }
+        list == "image" && $2 != "none:" { x[$1] = $2; y[$1] = $3; count++ }
+        END {
+            put(-4, 0, 4, 0, "axis")
+            put(0, -4, 0, 4, "axis")
+            for (i = 0; i < count; i++)
+                printf "<circle class=\"%s\" cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>\n", i in holds ? "support" : "point", 180 + x[i], 120 - y[i]
+            if (hfov != "") {
+                w = tangent(hfov / 2) * scale
+                h = tangent(vfov / 2) * scale
+                printf "<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", 180 - w, 120 - h, 2 * w, 2 * h
+            } else {
+                printf "<circle class=\"cone\" cx=\"180\" cy=\"120\" r=\"%.1f\"/>\n", radius
+            }
+            print "</svg>"
+        }'
+}
+
+# A house, seen from a corner near the ground: corners, ridge, edges.
+cat >"$dir/house" <<'END_OF'
+-3 8 -1
+5 11 -1
+2 19 -1
+-6 16 -1
+-3 8 4
+5 11 4
+2 19 4
+-6 16 4
+-4.5 12 7
+3.5 15 7
+END_OF
+awk '{ p[NR - 1] = $0 }
+    END { n = split("0 1 1 2 2 3 3 0 4 5 5 6 6 7 7 4 0 4 1 5 2 6 3 7 4 8 7 8 5 9 6 9 8 9", e, " "); for (i = 1; i < n; i += 2) print p[e[i]], p[e[i + 1]] }' \
+    "$dir/house" >"$dir/house.edges"
+aim() { "$boresight" aim --project --plot-radius 100 "$@"; }
+aim --segments "$dir/house.edges" "$dir/house" | svg 'The narrowest cone of a house: three corners hold it' >"$out/cone.svg" || exit 1
+aim --segments "$dir/house.edges" --bounds box "$dir/house" | svg 'The same house, aimed at by the box round it' >"$out/box.svg" || exit 1
+aim --segments "$dir/house.edges" --frame rect --aspect 3:2 "$dir/house" | svg 'The smallest 3:2 picture of the house, without roll' >"$out/rect.svg" || exit 1
+
+# Rails that pass under the viewer: what lies behind has no image, but the rest of each rail has, as a ray.
+printf '%s\n' '-1 4 -1.5' '1 4 -1.5' '-1 40 -1.5' '1 40 -1.5' '0 30 4' >"$dir/rails"
+printf '%s\n' '-1 40 -1.5 -1 -20 -1.5' '1 40 -1.5 1 -20 -1.5' >"$dir/rails.edges"
+for y in 4 6 9 14 22 40; do echo "-1.4 $y -1.5 1.4 $y -1.5"; done >>"$dir/rails.edges"
+"$boresight" aim --project --plot-radius 80 --segments "$dir/rails.edges" "$dir/rails" |
+    svg 'Rails that pass the viewer: a segment with an end behind is a ray' 80 >"$out/rails.svg"
