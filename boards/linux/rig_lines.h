@@ -4,7 +4,7 @@
 /// `up`, `down` (pull). A normally closed switch to ground is `gpiochip0:17:up`: open, or its wire
 /// broken, is active. Presses count after debounce_ms; the emergency stop at once, and its release
 /// after that time. A line that can't be read counts as pressed.
-/// Shown: tests/scenario/test_rig_lines.c, tests/vm/guest/run.sh.
+/// Shown: tests/scenario/test_rig_lines.c, tests/vm/guest/rig.sh.
 #ifndef LINUX_RIG_LINES_H
 #define LINUX_RIG_LINES_H
 

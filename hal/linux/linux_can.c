@@ -262,11 +262,22 @@ static enum hal_status linux_can_set_filters(void *ctx, const struct hal_can_fil
     return HAL_OK;
 }
 
+/// Up again. What the sockets still have to tell of the time before is forgotten.
+static void begin_anew(struct linux_can *can) {
+    const int fds[] = {can->fd, can->error_fd};
+    for (unsigned i = 0; i < 2U; i++) {
+        int error;
+        socklen_t size = sizeof error;
+        (void)getsockopt(fds[i], SOL_SOCKET, SO_ERROR, &error, &size);
+    }
+    can->link_down = false;
+    set_health(can, HAL_CAN_ACTIVE);
+}
+
 static enum hal_status restart_link(struct linux_can *can) {
     const enum hal_status status = linux_can_link_is_up(can->fd, can->name, &can->error);
     if (status == HAL_OK) {
-        can->link_down = false;
-        set_health(can, HAL_CAN_ACTIVE);
+        begin_anew(can);
         return HAL_OK;
     }
     can->gone = status == HAL_ERROR_GONE;
@@ -294,7 +305,7 @@ static enum hal_status linux_can_restart(void *ctx) {
     can->restart_status =
         linux_can_link_restart(can->fd, can->index, can->name, &bounced, &can->error);
     if (can->restart_status == HAL_OK && bounced) {
-        set_health(can, HAL_CAN_ACTIVE); // taken down and up: no error frame tells of it
+        begin_anew(can); // taken down and up: no error frame tells of it
     }
     can->gone = can->restart_status == HAL_ERROR_GONE;
     return can->restart_status;

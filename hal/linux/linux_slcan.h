@@ -7,7 +7,7 @@
 /// refusals in a row are taken for bus-off, and restart closes and opens its channel.
 /// Filters are applied here.
 /// Shown: tests/contract/linux_slcan.c (the contract suite, between two adapters on
-/// pseudo-terminals), tests/vm/guest/slcan.sh (against the kernel's own slcan driver).
+/// pseudo-terminals).
 #ifndef HAL_LINUX_SLCAN_H
 #define HAL_LINUX_SLCAN_H
 

@@ -29,6 +29,7 @@ static void ticks_keep_the_time(void) {
         CHECK(passed_us >= told * 5000U);
     }
     CHECK_EQ(loop.jitter.count + loop.missed_ticks, told);
+    CHECK(jitter_quantile_us(&loop.jitter, 1) < 5000U); // the best of them, on any machine
     event_loop_close(&loop);
 }
 

@@ -48,6 +48,9 @@ verdict rig.nothing_is_enabled_without_it $?
 plug
 until_true 10 grep -qs 1ffb /sys/bus/usb/devices/*/idVendor
 sleep 0.5
+"$boresight" probe >"$work/probe"
+grep -q '^usb .* device = maestro:00031415 ' "$work/probe" && grep -q "^gpio .*'rig-lines', lines 0 to 7" "$work/probe"
+verdict rig.probe_lists_what_is_there $? "$work/probe"
 start --arm --stay
 until_true 10 says 'run: tracking'
 is 2 1

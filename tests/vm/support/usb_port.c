@@ -4,6 +4,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -193,6 +194,10 @@ static void serve(int fd, const struct usb_model *model) {
     server.model = model;
     for (;;) {
         struct header header;
+        struct pollfd ready = {fd, POLLIN, 0};
+        while (poll(&ready, 1, 2) == 0) {
+            serve_pending(&server); // the model may have been given something by the test
+        }
         transfer(fd, &header, sizeof header, false);
         if (ntohl(header.command) == UNLINK) {
             unlink_pending(&server, &header);
