@@ -61,8 +61,8 @@ bool pump_init(struct pump *pump, struct controller *controller,
 bool pump_push(struct pump *pump, const struct target_update *update) MUST_CHECK;
 
 /// Holds back the updates that are pushed from now on until pump_release, so that those of one
-/// frame reach the controller in one tick: an aim that moves in pieces looks like a target that
-/// darts about. When the queue is full, no more is held back.
+/// frame reach the controller in ticks that follow each other and make one aim: an aim that moves
+/// in pieces looks like a target that darts about. When the queue is full, no more is held back.
 void pump_hold(struct pump *pump);
 void pump_release(struct pump *pump);
 
