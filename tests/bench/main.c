@@ -30,6 +30,10 @@ static uint32_t trials_of(enum bench_set set, uint32_t n) {
     return set == BENCH_SURFACE ? 1U : most > 300U ? 300U : most;
 }
 
+static uint32_t trials_by(const struct bench_method *method, uint32_t trials) {
+    return method->most_trials != 0U && method->most_trials < trials ? method->most_trials : trials;
+}
+
 static bool is_run(const struct bench_method *method, enum bench_set set, uint32_t n) {
     const bool on_hull =
         set == BENCH_CIRCLE || set == BENCH_HALF_CIRCLE || set == BENCH_SPIRAL; // its last turn
@@ -74,7 +78,7 @@ static void count_all(void) {
             fill((enum bench_set)set, n, trials);
             for (int m = 0; m < BENCH_METHODS; m++) {
                 if (is_run(&bench_methods[m], (enum bench_set)set, n)) {
-                    count(set, size, m, trials);
+                    count(set, size, m, trials_by(&bench_methods[m], trials));
                 }
             }
         }
@@ -206,7 +210,8 @@ static void measure_all(void) {
             fill((enum bench_set)set, n, trials);
             for (int m = 0; m < BENCH_METHODS; m++) {
                 if (is_run(&bench_methods[m], (enum bench_set)set, n)) {
-                    figures[set][size][m] = measure(&bench_methods[m], n, trials);
+                    figures[set][size][m] =
+                        measure(&bench_methods[m], n, trials_by(&bench_methods[m], trials));
                 }
             }
             if (set != BENCH_SPHERE) {

@@ -5,6 +5,7 @@
 #include "sphere/hull.h"
 #include "sphere/pyramid.h"
 #include "sphere/shrink.h"
+#include "sphere/voronoi_circle.h"
 
 #include <stddef.h>
 
@@ -124,6 +125,28 @@ static void hull_sorted_run(const struct vec3 *points, uint32_t count, struct be
 
 // ---------------------------------------------------------------- Anderson's methods
 
+/// From the farthest-point Voronoi diagram of all points, or of the hull.
+static void diagram(const struct vec3 *points, uint32_t count,
+                    const struct voronoi_circle_options *options, struct bench_run *run) {
+    struct voronoi_circle_result result;
+    run->infeasible =
+        voronoi_circle(points, count, options, workspace, sizeof workspace, &result) != CONE_OK;
+    run->scratch_bytes = result.bytes_needed;
+    run->support_count = result.cone.support_count;
+}
+
+static void a_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    diagram(points, count, &(struct voronoi_circle_options){0}, run);
+}
+
+static void a_merge_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    diagram(points, count, &(struct voronoi_circle_options){.merge = true}, run);
+}
+
+static void b_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
+    diagram(points, count, &(struct voronoi_circle_options){.hull = true}, run);
+}
+
 static void c_run(const struct vec3 *points, uint32_t count, struct bench_run *run) {
     struct shrink_result result;
     run->infeasible =
@@ -155,6 +178,23 @@ const struct bench_method bench_methods[BENCH_METHODS] = {
                             .run = hull_buckets_run,
                             .needs_feasible = true},
     [BENCH_HULL_SORTED] = {.name = "hull, sorted", .run = hull_sorted_run, .needs_feasible = true},
+    [BENCH_A] = {.name = "algorithm A",
+                 .run = a_run,
+                 .most_points = 10000,
+                 .most_on_hull = 10000,
+                 .most_trials = 3,
+                 .needs_feasible = true},
+    [BENCH_A_MERGE] = {.name = "A by merging",
+                       .run = a_merge_run,
+                       .most_points = 10000,
+                       .most_on_hull = 10000,
+                       .most_trials = 3,
+                       .needs_feasible = true},
+    [BENCH_B] = {.name = "algorithm B",
+                 .run = b_run,
+                 .most_on_hull = 10000,
+                 .most_trials = 3,
+                 .needs_feasible = true},
     [BENCH_C] = {.name = "algorithm C",
                  .run = c_run,
                  .most_on_hull = 10000,

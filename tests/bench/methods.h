@@ -32,6 +32,8 @@ struct bench_method {
     uint32_t most_points;
     /// The same for sets whose points are all on the hull.
     uint32_t most_on_hull;
+    /// At most so many sets a size, for slow methods; 0: all.
+    uint32_t most_trials;
     /// Only feasible sets.
     bool needs_feasible;
 };
@@ -44,6 +46,9 @@ enum {
     BENCH_HULL,
     BENCH_HULL_BUCKETS,
     BENCH_HULL_SORTED,
+    BENCH_A,
+    BENCH_A_MERGE,
+    BENCH_B,
     BENCH_C,
     BENCH_PYRAMID,
     BENCH_CGAL_SPHERE,

@@ -158,7 +158,7 @@ static void a_tick_with_256_targets_that_are_re_aimed_in_each(void) {
     for (uint32_t id = 0; id < 256U; id++) {
         const struct target_update update = target(id, 0);
         CHECK(sim_push(sim, &update));
-        run_ms(id % 32U == 31U ? 1U : 0U);
+        run_ms(id % CONTROLLER_UPDATES_MAX == CONTROLLER_UPDATES_MAX - 1U ? 1U : 0U);
     }
     run_ms(800);
     CHECK(sim->pump.output.status.target_count >= 256U);

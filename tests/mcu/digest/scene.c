@@ -80,8 +80,10 @@ static void walks(void) {
         const struct vec3 right =
             vec3_i64_normalise(vec3_cross(ahead, vec3_normalise(digest_any_direction(&d))));
         const struct vec3 up = vec3_i64_normalise(vec3_cross(right, ahead));
-        const struct vec3 eye =
-            vec3(digest_within(&d, 200000), digest_within(&d, 200000), digest_within(&d, 200000));
+        struct vec3 eye;
+        eye.x = digest_within(&d, 200000);
+        eye.y = digest_within(&d, 200000);
+        eye.z = digest_within(&d, 200000);
         struct view view;
         view_set(&view, eye, right, ahead, up, 256U * (200U + digest_below(&d, 800)), 640, 480);
         struct walk walk;
