@@ -14,8 +14,8 @@
 #define IMAGE    "build/boards/stm32f405/slew/boresight.elf"
 #define SCENARIO "tests/mcu/cpu/slew/scenario.ini"
 
-/// Noticed 50 ms after a drive's last reply; one may just have been due.
-#define NOTICED_MS 52
+/// Noticed within 50 ms: 45 ms after a drive's last reply, and one may just have been due.
+#define NOTICED_MS 50
 /// From then on until the setpoints rest: from 60 degrees/s at 400 degrees/s^2 150 ms, and the 100
 /// ms over which the limiter smooths for 8,000 degrees/s^3. The simulated axes follow 15 ms later.
 #define SETPOINT_MS   250
