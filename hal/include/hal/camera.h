@@ -47,6 +47,17 @@ struct hal_camera_frame {
     uint32_t buffer_index;
 };
 
+/// The brightness of a frame, whatever its pixels: what detectors work on. A view: the memory is
+/// the frame's or that of whoever converted it.
+struct hal_camera_luma {
+    /// The top left pixel; then width_px bytes to the right, and stride_bytes to the next line.
+    const uint8_t *luma;
+    uint32_t width_px, height_px, stride_bytes;
+    /// As of the frame.
+    uint32_t exposed_us, sequence;
+    bool damaged;
+};
+
 enum hal_camera_control {
     /// Arc-seconds (1/3600 degree), positive to the right.
     HAL_CAMERA_PAN,
