@@ -5,10 +5,12 @@ gpiod_header := $(call find_header,gpiod.h)
 # 1.6 and 2.x have the same header's name and no call in common.
 gpiod := $(if $(gpiod_header),$(if $(shell grep -l gpiod_line_settings_new $(gpiod_header)),2,1),0)
 libusb := $(if $(call find_header,libusb-1.0/libusb.h),1,0)
+# What is used of it (jpeg_mem_src, standard tables where a picture has none) is libjpeg-turbo's.
+jpeg := $(if $(call find_header,jpeglib.h),1,0)
 
-feature_libs := $(if $(filter 0,$(gpiod)),,-lgpiod) $(if $(filter 0,$(libusb)),,-lusb-1.0)
+feature_libs := $(if $(filter 0,$(gpiod)),,-lgpiod) $(if $(filter 0,$(libusb)),,-lusb-1.0) $(if $(filter 0,$(jpeg)),,-ljpeg)
 # Files that only build with a library, or one of its versions.
 not_built := $(if $(filter 1,$(gpiod)),,hal/linux/linux_gpiod_1.c) $(if $(filter 2,$(gpiod)),,hal/linux/linux_gpiod_2.c)
 
-$(shell mkdir -p $(B); printf '#define HAVE_GPIOD %s\n#define HAVE_LIBUSB %s\n' $(gpiod) $(libusb) >$(B)/features.h.new; \
+$(shell mkdir -p $(B); printf '#define HAVE_GPIOD %s\n#define HAVE_LIBUSB %s\n#define HAVE_JPEG %s\n' $(gpiod) $(libusb) $(jpeg) >$(B)/features.h.new; \
     cmp -s $(B)/features.h.new $(B)/features.h && rm $(B)/features.h.new || mv $(B)/features.h.new $(B)/features.h)
