@@ -13,7 +13,11 @@ include tests/mcu/tick/tick.mk
 test_runs += script/tests/mcu/rp2040/pico
 include tests/mcu/hal/hal.mk
 include tests/vm/vm.mk
-logs := $(test_runs:%=$(B)/check/%.log)
+# In real time: one after the other when all others are done, and again if the machine paused.
+realtime_runs := $(filter %/tests/cli/board %/tests/cli/drive %/tests/mcu/cpu/link,$(test_runs)) vm
+logs := $(patsubst %,$(B)/check/%.log,$(filter-out $(realtime_runs),$(test_runs)))
+realtime_logs := $(realtime_runs:%=$(B)/check/%.log)
+$(realtime_logs): export TRIES := 3
 
 .PHONY: need-check
 need-check:
@@ -54,7 +58,6 @@ check: need-check need-vm ## Run every test that needs no hardware; ends with `N
 	@$(MAKE) --no-print-directory check-all
 
 .PHONY: check-all
-# The virtual machine runs last and alone: it has real-time loops, and an emulated processor.
 check-all: $(logs)
-	@$(MAKE) --no-print-directory $(B)/check/vm.log
-	@tests/summary.sh $(logs) $(B)/check/vm.log
+	@for log in $(realtime_logs); do $(MAKE) --no-print-directory $$log; done
+	@tests/summary.sh $(logs) $(realtime_logs)

@@ -56,6 +56,18 @@ static void write_paced(struct board_link *link, uint64_t now_us) {
     memmove(link->out, link->out + written, link->out_count);
 }
 
+enum board_link_presence board_link_presence(const struct board_link *link, uint64_t now_us) {
+    if (now_us - link->heard_us > BOARD_LINK_SILENCE_US) {
+        return BOARD_LINK_SILENT;
+    }
+    // A board that falls silent may have answered a question after its last status. So it has let
+    // go of us only if it went on answering.
+    const bool answers = link->heard_us > link->told_us &&
+                         link->heard_us - link->told_us > BOARD_LINK_SILENCE_US / 2U;
+    return answers && now_us - link->told_us > BOARD_LINK_SILENCE_US ? BOARD_LINK_LET_GO
+                                                                     : BOARD_LINK_THERE;
+}
+
 uint32_t board_link_waiting(const struct board_link *link) {
     return link->out_count;
 }

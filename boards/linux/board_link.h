@@ -20,6 +20,7 @@
 #define BOARD_LINK_OUT_BYTES   4096U
 #define BOARD_LINK_PING_US     100000U
 #define BOARD_LINK_RETRY_US    100000U
+#define BOARD_LINK_SILENCE_US  1000000U
 #define BOARD_LINK_TRIES_MAX   10U
 #define BOARD_LINK_ANSWER_SIZE (CHECKED_LINE_BYTES_MAX + 1U)
 
@@ -40,6 +41,10 @@ struct board_link_status {
     uint32_t focal_um, targets, rejected, taken, damaged, stale, repeated, refused;
     char held[CHECKED_LINE_BYTES_MAX];
 };
+
+/// Whether the board is still there for us. LET_GO: it answers, but for BOARD_LINK_SILENCE_US it
+/// has not told us its state, which its owner gets 20 times a second.
+enum board_link_presence { BOARD_LINK_THERE, BOARD_LINK_SILENT, BOARD_LINK_LET_GO };
 
 enum board_link_command { BOARD_LINK_IDLE, BOARD_LINK_WAITS, BOARD_LINK_ANSWERED, BOARD_LINK_LOST };
 
@@ -91,6 +96,9 @@ void board_link_order(struct board_link *link, const char *text, uint64_t now_us
 
 /// Queues a line of targets (type t or d). False: no room now.
 bool board_link_send_targets(struct board_link *link, char type, const struct text *body);
+
+/// Before the first status of a run, set told_us to its start.
+enum board_link_presence board_link_presence(const struct board_link *link, uint64_t now_us);
 
 /// How many bytes of lines still wait to be written.
 uint32_t board_link_waiting(const struct board_link *link);

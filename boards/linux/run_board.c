@@ -18,7 +18,6 @@
 extern const char build_id[];
 
 #define ANSWER_US  3000000U
-#define SILENCE_US 1000000U
 #define REST_LINES 4U ///< so many lines of status without motion: it stands still
 
 struct board_run {
@@ -206,13 +205,15 @@ static enum exit_status find_trouble(struct board_run *run, uint64_t now_us) {
     if (run->link.gone) {
         return complain_of_device(run);
     }
-    if (now_us - run->link.heard_us > SILENCE_US) {
+    switch (board_link_presence(&run->link, now_us)) {
+    case BOARD_LINK_SILENT:
         return complain(run, "the board has fallen silent",
                         "was it unplugged or reset? It stops by itself half a second later");
-    }
-    if (now_us - run->link.told_us > SILENCE_US) { // it answers, and tells us nothing
+    case BOARD_LINK_LET_GO:
         return complain(run, "the board has let go of this program",
                         "it was reset, or did not hear from here for half a second");
+    case BOARD_LINK_THERE:
+        break;
     }
     if (run->link.command == BOARD_LINK_LOST) {
         return complain(run, "a command was never answered", "is the line disturbed?");

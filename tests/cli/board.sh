@@ -18,13 +18,21 @@ board() {
     rm -f "$tty"
     "$pty_board" "$rig" "$tty" "$1" &
     pid=$!
-    tries=0
-    while [ ! -e "$tty" ] && [ $tries -lt 100 ]; do
-        sleep 0.05
-        tries=$((tries + 1))
-    done
+    until_true 30 [ -e "$tty" ]
 }
 trap 'kill "${pid:-}" 2>/dev/null; rm -rf "$dir"' EXIT
+# drive [OPTION...]: a run with two targets in the background, once it tracks them; $child is its process.
+drive() {
+    : >"$dir/err"
+    "$boresight" run "$rig" --arm --targets host-sim/scenarios/two.jsonl "$@" >"$dir/out" 2>"$dir/err" &
+    child=$!
+    until_true 30 told tracking
+}
+# Waits for its end, and takes its status.
+driven() {
+    wait $child
+    status=$?
+}
 value() { sed -n "s/.*\"$1\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$dir/out"; }
 told() { grep -qF -- "$1" "$dir/err"; }
 
@@ -62,23 +70,21 @@ follow_many() {
 }
 tries '64 targets, 20 times a second, and the gimbal looks at their middle' follow_many
 
-run run "$rig" --seconds 1 --json
-[ "$status" -eq 0 ] && [ "$(value targets)" = 0 ] && ! told tracking && ! told holding
-verdict 'without --arm nothing is armed' $?
+arm_nothing() {
+    run run "$rig" --seconds 1 --json
+    [ "$status" -eq 0 ] && [ "$(value targets)" = 0 ] && ! told tracking && ! told holding
+}
+tries 'without --arm nothing is armed' arm_nothing
 
-("$boresight" run "$rig" --arm --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
-sleep 2
-kill -INT "$(ps -o pid= --ppid $! | tr -d ' ')" 2>/dev/null
-wait $!
-status=$(cat "$dir/status")
+drive
+kill -INT $child
+driven
 [ "$status" -eq 0 ] && grep -q '^mode *stopped' "$dir/out"
 verdict 'an interrupt stops, reports and ends with 0' $?
 
-("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl --json >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
-sleep 2
+drive --json
 kill -USR1 $pid
-wait $!
-status=$(cat "$dir/status")
+driven
 [ "$status" -eq 5 ] && told 'the board stopped: emergency stop'
 verdict 'the emergency stop ends it with 5 and says so' $?
 run run "$rig" --arm --seconds 5
@@ -120,21 +126,17 @@ fails 'no usual speed' '123456 baud is no usual speed; use one of'
 # A board that leaves while it drives.
 make_rig "board = serial:$tty"
 board board
-("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
-sleep 2
+drive
 kill -STOP $pid
-wait $!
+driven
 kill -CONT $pid
-status=$(cat "$dir/status")
 [ "$status" -eq 4 ] && told 'the board has fallen silent; was it unplugged'
 verdict 'a board that falls silent ends it with 4' $?
 
 # A board that is reset, and a program that hangs for a second: the board answers, but has let go of it.
 board board
 for who in board program; do
-    ("$boresight" run "$rig" --arm --seconds 20 --targets host-sim/scenarios/two.jsonl >"$dir/out" 2>"$dir/err"; echo $? >"$dir/status") &
-    sleep 2
-    child=$(ps -o pid= --ppid $! | tr -d ' ')
+    drive
     if [ $who = board ]; then
         kill -USR2 $pid
     else
@@ -142,8 +144,7 @@ for who in board program; do
         sleep 1
         kill -CONT "$child"
     fi
-    wait $!
-    status=$(cat "$dir/status")
+    driven
     case $who,$status in
     board,4) told 'the board has let go of this program; it was reset' ;;
     # It may still see, in what waited for it, that the board stopped.
@@ -154,12 +155,12 @@ for who in board program; do
     verdict "a $who that was away ends it" $?
 done
 
-("$boresight" run "$rig" --seconds 3 >/dev/null 2>&1) &
-sleep 1
+drive
 run run "$rig" --seconds 1
 [ "$status" -eq 4 ] && told "$rig: board = serial:" && told 'in use' && [ "$(wc -l <"$dir/err")" -eq 1 ]
 verdict 'a line that another program has open' $?
-wait $!
+kill $child
+driven
 
 # ---------------------------------------------------------------- the rig file
 for value in /dev/ttyACM0 serial: tcp:host; do

@@ -99,7 +99,7 @@ verdict 'run names the bad line' $?
 run run host-sim/rigs/studio.ini --seconds 0.3 --json
 gives 'run does not arm by itself' 0 'mode="ready"'
 "$boresight" run host-sim/rigs/studio.ini --arm --targets "$dir/live.jsonl" --json >"$dir/out" 2>"$dir/err" &
-sleep 0.7
+until_true 30 grep -q tracking "$dir/err"
 kill -INT $!
 wait $!
 status=$?

@@ -319,6 +319,34 @@ static void a_dead_line(void) {
     CHECK(our_time() - link_.heard_us > 1400000U);
 }
 
+/// From the moment at which the board falls silent nothing else may be said of it, whichever kind
+/// of line was its last; and one that only answers has let go of us.
+static void silent_or_let_go(void) {
+    for (uint32_t phase_ms = 0; phase_ms < 100U; phase_ms += 7U) {
+        meet();
+        run(200U + phase_ms);
+        desk.deaf = true;
+        desk.queue_count = 0;
+        enum board_link_presence presence = BOARD_LINK_THERE;
+        for (uint32_t ms = 0; ms < 1500U && presence == BOARD_LINK_THERE; ms++) {
+            run(1);
+            presence = board_link_presence(&link_, our_time());
+        }
+        CHECK_EQ(presence, BOARD_LINK_SILENT);
+        CHECK(our_time() - link_.heard_us <= BOARD_LINK_SILENCE_US + 1000U);
+    }
+    meet();
+    run(200);
+    const uint64_t left_us = our_time();
+    desk_boot(); // now it belongs to nobody
+    while (board_link_presence(&link_, our_time()) == BOARD_LINK_THERE &&
+           our_time() - left_us < 3000000U) {
+        run(1);
+    }
+    CHECK_EQ(board_link_presence(&link_, our_time()), BOARD_LINK_LET_GO);
+    CHECK(our_time() - left_us <= BOARD_LINK_SILENCE_US + 100000U);
+}
+
 /// A stop does not wait for what is in front of it.
 static void stop_goes_first(void) {
     meet();
@@ -366,6 +394,7 @@ int main(void) {
     TEST(more_than_fits);
     TEST(a_noisy_line);
     TEST(a_dead_line);
+    TEST(silent_or_let_go);
     TEST(stop_goes_first);
     TEST(the_examples);
     return check_finish();

@@ -155,12 +155,19 @@ static inline void desk_configure(void) {
         (struct board_config){&desk_settings, desk_stop_lines, 1, DESK_LINES, desk_notes, NULL};
 }
 
-/// Switches it on. baud 0: the line takes no time.
-static inline void desk_start(uint32_t baud) {
+/// The program starts, at power-on or after a reset, with whatever is in its memory.
+static inline void desk_boot(void) {
     uint8_t *bytes = (uint8_t *)&desk_loop;
     for (size_t i = 0; i < sizeof desk_loop; i++) {
         bytes[i] = 0x5A;
     }
+    const struct board_devices devices = {
+        {&desk_clock, NULL, &desk_pwm}, &desk_gpio, &desk_serial, &desk_watchdog};
+    board_loop_init(&desk_loop, &desk_config, &devices);
+}
+
+/// Switches it on. baud 0: the line takes no time.
+static inline void desk_start(uint32_t baud) {
     desk.now_us = 0xFFFF0000U;
     desk.time_ns = desk.send_ns = desk.receive_ns = 0;
     desk.pressed = desk.enable = desk.deaf = false;
@@ -168,9 +175,7 @@ static inline void desk_start(uint32_t baud) {
     desk.queue_count = desk.queue_at = desk.ring_put = desk.ring_taken = 0;
     desk.send_put = desk.send_taken = desk.said_count = desk.said_seen = 0;
     desk.byte_ns = baud != 0U ? 1000000000U / baud * 10U : 0U;
-    const struct board_devices devices = {
-        {&desk_clock, NULL, &desk_pwm}, &desk_gpio, &desk_serial, &desk_watchdog};
-    board_loop_init(&desk_loop, &desk_config, &devices);
+    desk_boot();
 }
 
 static inline void desk_carry(void) {

@@ -4,6 +4,7 @@ boresight=${BORESIGHT:-build/boresight}
 mkdir -p build
 dir=$(mktemp -d build/cli.XXXXXX) || exit 1
 trap 'rm -rf "$dir"' EXIT
+. tests/until_true.sh
 failures=0
 : >"$dir/none"
 

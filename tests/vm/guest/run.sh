@@ -96,7 +96,7 @@ in_background() { # ARGUMENT...
 tracks() { [ "$(grep -c 'run: tracking' "$work/run.err")" -ge "$1" ]; }
 serve
 in_background --arm --targets "$work/targets.jsonl"
-until_true 10 tracks 1
+until_true 60 tracks 1
 kill -STOP $server
 wait $runner
 [ $? -eq 5 ] && grep -q 'faulted: .*: a drive does not answer' "$work/run.err"
@@ -104,40 +104,40 @@ verdict run.drives_that_fall_silent_are_status_5 $? "$work/run.err"
 kill -CONT $server
 
 in_background --arm --targets "$work/targets.jsonl" --stay
-until_true 10 tracks 1
+until_true 60 tracks 1
 kill -STOP $server
-until_true 10 grep -q 'faulted' "$work/run.err"
+until_true 60 grep -q 'faulted' "$work/run.err"
 kill -CONT $server
 sleep 1
 ! tracks 2
 verdict run.a_fault_stays_until_rearmed $? "$work/run.err"
 kill -USR1 $runner
-until_true 10 tracks 2
+until_true 60 tracks 2
 verdict run.rearmed_by_sigusr1 $? "$work/run.err"
 
 sed -i 's/^speed_max_dps = 90/speed_max_dps = 45/' "$work/rig.ini"
 kill -HUP $runner
-until_true 10 tracks 3
+until_true 60 tracks 3
 verdict run.reloads_on_sighup $? "$work/run.err"
 echo 'nonsense' >>"$work/rig.ini"
 kill -HUP $runner
-until_true 5 grep -q 'the rig stays as it was' "$work/run.err"
+until_true 60 grep -q 'the rig stays as it was' "$work/run.err"
 verdict run.keeps_its_rig_when_the_new_one_is_bad $? "$work/run.err"
 sed -i '$d' "$work/rig.ini"
 
 ip link del vcan0
-until_true 5 grep -q 'vcan0: the interface has gone' "$work/run.err"
+until_true 60 grep -q 'vcan0: the interface has gone' "$work/run.err"
 verdict run.tells_of_an_interface_that_leaves $? "$work/run.err"
 wait $server
 [ $? -eq 4 ]
 verdict run.serve_ends_with_status_4 $? "$work/serve.err"
 bus_up
 serve
-until_true 10 grep -q 'all devices are there again' "$work/run.err"
+until_true 60 grep -q 'all devices are there again' "$work/run.err"
 verdict run.opens_an_interface_that_returns $? "$work/run.err"
 sleep 1
 kill -USR1 $runner
-until_true 10 tracks 4
+until_true 60 tracks 4
 verdict run.tracks_again $? "$work/run.err"
 kill -INT $runner
 wait $runner
@@ -147,7 +147,7 @@ end_serve
 
 serve
 in_background --arm --targets "$work/targets.jsonl"
-until_true 10 tracks 1
+until_true 60 tracks 1
 ip link del vcan0
 wait $runner
 [ $? -eq 4 ]
