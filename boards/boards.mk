@@ -19,7 +19,7 @@ board_link := -mthumb -nostdlib -nostartfiles -Lboards \
 # $(1): name of the board. Objects are below obj/; a rig's settings are compiled from the C that the program writes.
 define board_rules
 $(1)_dir := $(B)/boards/$(1)
-$(1)_c := $(sort $(wildcard boards/$(1)/*.c $(foreach h,$($(1)_hal),hal/$(h)/*.c))) $(sort $(firmware_c))
+$(1)_c := boards/greeting.c $(sort $(wildcard boards/$(1)/*.c $(foreach h,$($(1)_hal),hal/$(h)/*.c))) $(sort $(firmware_c))
 $(1)_s := $(sort $(wildcard boards/$(1)/*.S))
 $(1)_o := $$(patsubst %,$(B)/boards/$(1)/obj/%.o,$$(basename $$($(1)_c) $$($(1)_s)) build_id)
 $(1)_files := $(foreach i,elf bin hex $($(1)_images),$(B)/boards/$(1)/boresight.$(i))

@@ -4,9 +4,8 @@
 #include "app/board_loop.h"
 #include "compiled_rig.h"
 #include "cortexm/cortexm.h"
-#include "cortexm/cortexm_crash.h"
 #include "cortexm/cortexm_start.h"
-#include "link/text.h"
+#include "greeting.h"
 #include "pins.h"
 #include "stm32f4/stm32f4_clocks.h"
 #include "stm32f4/stm32f4_watchdog.h"
@@ -20,6 +19,7 @@ static struct stm32f4_gpio gpio;
 static struct stm32f4_pwm pwm;
 static struct stm32f4_watchdog watchdog;
 static struct board_loop loop;
+static struct greeting greeting;
 
 static const struct board_stop_line stop_lines[] = {
     {LINE_EMERGENCY_STOP, "emergency stop"},
@@ -28,54 +28,16 @@ static const struct board_stop_line stop_lines[] = {
     {LINE_TILT_LIMIT, "tilt limit switch"},
 };
 
-// ---------------------------------------------------------------- what the greeting tells
-
-static char clock_note[64], crash_note[80];
-static const char *notes[] = {"board: stm32f405", clock_note, NULL, NULL};
-
-static void finish(struct text *text) {
-    text->buffer[text->size_bytes] = '\0';
-}
-
-static void note_clock(const struct stm32f4_clocks *clocks) {
-    struct text text;
-    text_begin(&text, clock_note, sizeof clock_note - 1U);
-    text_string(&text, "clock: ");
-    text_unsigned(&text, clocks->core_hz / 1000000U, 0);
-    text_string(&text, " MHz, ");
-    text_string(&text, stm32f4_clocks_state_name(clocks->state));
-    finish(&text);
-}
-
-static void note_crash(void) {
-    struct cortexm_crash crash;
-    if (!cortexm_crash_take(&crash)) {
-        return;
-    }
-    struct text text;
-    text_begin(&text, crash_note, sizeof crash_note - 1U);
-    text_string(&text, "last run: ");
-    // The only non-maskable interrupt of this chip is that of its clock monitor (RM0090 7.2.7).
-    text_string(&text, crash.exception == 2U ? "the crystal stopped, exception"
-                                             : cortexm_crash_name(crash.exception));
-    text_string(&text, " ");
-    text_unsigned(&text, crash.exception, 0);
-    text_string(&text, " at ");
-    text_hex(&text, crash.pc);
-    text_string(&text, " from ");
-    text_hex(&text, crash.lr);
-    finish(&text);
-    notes[2] = crash_note;
-}
-
 // ---------------------------------------------------------------- set-up
 
 /// Returns why the board must not arm, or NULL.
 static const char *set_up(void) {
     stm32f4_watchdog_init(&watchdog);
     const struct stm32f4_clocks clocks = stm32f4_clocks_start(CRYSTAL_MHZ);
-    note_clock(&clocks);
-    note_crash();
+    greeting_init(&greeting, "board: stm32f405");
+    greeting_clock(&greeting, clocks.core_hz, stm32f4_clocks_state_name(clocks.state), "");
+    // The only one of this chip is that of its clock monitor (RM0090 7.2.7).
+    greeting_crash(&greeting, "the crystal stopped, exception");
     cortexm_clock_start(&devices.clock, clocks.core_hz, TICK_US);
     stm32f4_gpio_init(&gpio, gpio_lines, gpio_pins, COUNT(gpio_lines));
     stm32f4_pwm_init(&pwm, pwm_channels, COUNT(pwm_channels), clocks.apb1_timer_hz);
@@ -97,7 +59,7 @@ int main(void) {
                                          .stop_lines = stop_lines,
                                          .stop_line_count = COUNT(stop_lines),
                                          .enable_line = LINE_ENABLE,
-                                         .notes = notes};
+                                         .notes = greeting.notes};
     // Until the watchdog runs nothing may interrupt: a storm would hang the board for good.
     cortexm_interrupts_disable();
     config.refusal = set_up();

@@ -89,20 +89,10 @@ static void test_can(void) {
 
 // ----------------------------------------------------------------------------------------- GPIO
 static struct fake_gpio gpio;
-static const struct hal_gpio_line lines[] = {
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = false},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false, .initially_active = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true, .initially_active = true},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = true},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = false}};
-#define LINE_COUNT (sizeof lines / sizeof lines[0])
 
 static void gpio_reset(void *context) {
     (void)context;
-    fake_gpio_init(&gpio, lines, LINE_COUNT);
+    fake_gpio_init(&gpio, gpio_suite_lines, GPIO_SUITE_LINES);
     failures = &gpio.failures;
 }
 
@@ -120,8 +110,8 @@ static void test_gpio(void) {
     gpio_reset(NULL);
     gpio_suite(&(struct gpio_fixture){.name = "fake_gpio",
                                       .gpio = &gpio.hal,
-                                      .lines = lines,
-                                      .line_count = LINE_COUNT,
+                                      .lines = gpio_suite_lines,
+                                      .line_count = GPIO_SUITE_LINES,
                                       .reset = gpio_reset,
                                       .drive = gpio_drive,
                                       .is_high = gpio_is_high,

@@ -10,23 +10,13 @@
 #include <string.h>
 
 static struct linux_gpio gpio;
-static const struct hal_gpio_line lines[] = {
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = false},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false, .initially_active = true},
-    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true, .initially_active = true},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = true},
-    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = false}};
-#define LINE_COUNT (sizeof lines / sizeof lines[0])
-static struct linux_gpio_pin pins[LINE_COUNT];
+static struct linux_gpio_pin pins[GPIO_SUITE_LINES];
 static char chip[32]; ///< gpiochipN
 
 static void reset(void *context) {
     (void)context;
     linux_gpio_close(&gpio);
-    if (!CHECK_EQ(linux_gpio_open(&gpio, lines, pins, LINE_COUNT), HAL_OK)) {
+    if (!CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, pins, GPIO_SUITE_LINES), HAL_OK)) {
         printf("  %s\n", gpio.error.line);
     }
 }
@@ -56,15 +46,16 @@ static void expect_refusal(const struct hal_gpio_line *line, struct linux_gpio_p
 static void refusals_say_what_to_do(void) {
     reset(NULL);
     expect_refusal(
-        &lines[0], (struct linux_gpio_pin){"gpiochip77", 1}, HAL_ERROR_GONE,
+        &gpio_suite_lines[0], (struct linux_gpio_pin){"gpiochip77", 1}, HAL_ERROR_GONE,
         "/dev/gpiochip77: no such file or device; `boresight probe` lists the GPIO chips");
-    expect_refusal(&lines[0], (struct linux_gpio_pin){chip, 16}, HAL_ERROR_ARGUMENT,
+    expect_refusal(&gpio_suite_lines[0], (struct linux_gpio_pin){chip, 16}, HAL_ERROR_ARGUMENT,
                    "%s:16: the chip has no such line; `boresight probe` tells how many it has");
-    expect_refusal(&lines[0], (struct linux_gpio_pin){chip, pins[0].offset}, HAL_ERROR_DENIED,
+    expect_refusal(&gpio_suite_lines[0], (struct linux_gpio_pin){chip, pins[0].offset},
+                   HAL_ERROR_DENIED,
                    "%s:2: in use by 'boresight'; end that program, or take the overlay that claims "
                    "it out of the device tree");
     struct linux_gpio none;
-    CHECK_EQ(linux_gpio_open(&none, lines, pins, 0), HAL_ERROR_ARGUMENT);
+    CHECK_EQ(linux_gpio_open(&none, gpio_suite_lines, pins, 0), HAL_ERROR_ARGUMENT);
 }
 
 /// What one program has let go another may have; and a failed opening holds nothing.
@@ -72,9 +63,9 @@ static void lines_are_given_back(void) {
     reset(NULL);
     struct linux_gpio other;
     const struct linux_gpio_pin mixed[] = {{chip, 0}, {chip, pins[3].offset}};
-    CHECK_EQ(linux_gpio_open(&other, lines, mixed, 2), HAL_ERROR_DENIED);
+    CHECK_EQ(linux_gpio_open(&other, gpio_suite_lines, mixed, 2), HAL_ERROR_DENIED);
     linux_gpio_close(&gpio);
-    CHECK_EQ(linux_gpio_open(&other, lines, mixed, 2), HAL_OK);
+    CHECK_EQ(linux_gpio_open(&other, gpio_suite_lines, mixed, 2), HAL_OK);
     linux_gpio_close(&other);
 }
 
@@ -82,7 +73,7 @@ static void lines_are_given_back(void) {
 static void chips_have_two_names(void) {
     linux_gpio_close(&gpio);
     const struct linux_gpio_pin pin = {SIM_GPIO_LABEL, 4};
-    CHECK_EQ(linux_gpio_open(&gpio, lines, &pin, 1), HAL_OK);
+    CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, &pin, 1), HAL_OK);
     struct linux_gpio_chip chips[8];
     const uint32_t count = linux_gpio_list(chips, 8);
     CHECK(count >= 1U && count <= 8U);
@@ -96,7 +87,7 @@ static void chips_have_two_names(void) {
 
 int main(void) {
     sim_gpio_create(16, chip, sizeof chip);
-    for (uint32_t i = 0; i < LINE_COUNT; i++) {
+    for (uint32_t i = 0; i < GPIO_SUITE_LINES; i++) {
         pins[i] = (struct linux_gpio_pin){chip, (i * 5U + 2U) % 16U}; // in no order
     }
     if (linux_gpio_library() == NULL) {
@@ -106,8 +97,8 @@ int main(void) {
     reset(NULL);
     gpio_suite(&(struct gpio_fixture){.name = "linux_gpio",
                                       .gpio = &gpio.hal,
-                                      .lines = lines,
-                                      .line_count = LINE_COUNT,
+                                      .lines = gpio_suite_lines,
+                                      .line_count = GPIO_SUITE_LINES,
                                       .reset = reset,
                                       .drive = drive,
                                       .is_high = is_high});

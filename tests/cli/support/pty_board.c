@@ -1,12 +1,12 @@
 /// A board for the tests of `boresight run`: app/board_loop with the settings of a rig file, on a
-/// pseudo-terminal, in real time. Its servos and lines are only numbers.
+/// pseudo-terminal, in real time. Its servos and lines are those of the tests' desk: only numbers.
 ///
 /// Usage: pty_board RIG.ini LINK board|silent|chatter|ANSWER
 /// LINK becomes a symbolic link to the terminal. ANSWER: what to answer to every hello. Ends after
 /// two minutes at the latest. SIGUSR1: the emergency stop is pressed. SIGUSR2: the board is reset.
 #include "rig.h"
+#include "unit/desk.h"
 
-#include "app/board_loop.h"
 #include "app/settings_digest.h"
 #include "link/line_splitter.h"
 
@@ -22,7 +22,6 @@
 enum { TICKS_MAX = 120000 };
 
 static volatile sig_atomic_t pressed, reset;
-static uint32_t now_us;
 static int terminal;
 
 static void on_signal(int number) {
@@ -34,25 +33,6 @@ static void on_signal(int number) {
 }
 
 // ---------------------------------------------------------------- devices
-
-static uint32_t clock_now(void *ctx) {
-    (void)ctx;
-    return now_us;
-}
-
-static enum hal_status gpio_read(void *ctx, uint32_t line, bool *active) {
-    (void)ctx;
-    (void)line;
-    *active = pressed != 0;
-    return HAL_OK;
-}
-
-static enum hal_status gpio_write(void *ctx, uint32_t line, bool active) {
-    (void)ctx;
-    (void)line;
-    (void)active;
-    return HAL_OK;
-}
 
 static enum hal_status serial_write(void *ctx, const uint8_t *data, size_t size, size_t *written) {
     (void)ctx;
@@ -74,53 +54,11 @@ static enum hal_status serial_state(void *ctx, struct hal_serial_state *state) {
     return HAL_OK;
 }
 
-static enum hal_status watchdog_start(void *ctx, uint32_t timeout_us) {
-    (void)ctx;
-    (void)timeout_us;
-    return HAL_OK;
-}
-
-static enum hal_status watchdog_feed(void *ctx) {
-    (void)ctx;
-    return HAL_OK;
-}
-
-static enum hal_status watchdog_cause(void *ctx, enum hal_reset_cause *cause) {
-    (void)ctx;
-    *cause = HAL_RESET_POWER_ON;
-    return HAL_OK;
-}
-
-static enum hal_status pwm_limits(void *ctx, uint32_t channel, struct hal_pwm_limits *limits) {
-    (void)ctx;
-    (void)channel;
-    (void)limits;
-    return HAL_OK;
-}
-
-static enum hal_status pwm_set(void *ctx, uint32_t channel, uint32_t value) {
-    (void)ctx;
-    (void)channel;
-    (void)value;
-    return HAL_OK;
-}
-
-static const struct hal_clock_ops clock_ops = {clock_now};
-static const struct hal_gpio_ops gpio_ops = {gpio_read, gpio_write};
 static const struct hal_serial_ops serial_ops = {serial_write, serial_read, serial_state};
-static const struct hal_watchdog_ops watchdog_ops = {watchdog_start, watchdog_feed, watchdog_cause};
-static const struct hal_pwm_ops pwm_ops = {pwm_limits, pwm_set, pwm_set};
-static const struct hal_clock board_clock = {&clock_ops, NULL};
-static const struct hal_gpio gpio = {&gpio_ops, NULL};
 static const struct hal_serial serial = {&serial_ops, NULL};
-static const struct hal_watchdog watchdog = {&watchdog_ops, NULL};
-static const struct hal_pwm pwm = {&pwm_ops, NULL};
-static const struct board_stop_line stop_lines[] = {{0, "emergency stop"}};
 static const char *const notes[] = {"board: pty", NULL};
 
 // ---------------------------------------------------------------- what it does in a tick
-
-static struct board_loop loop;
 
 static void answer_hello(const char *answer) {
     static struct line_splitter splitter;
@@ -147,9 +85,10 @@ static void answer_hello(const char *answer) {
 static void tick(const char *mode, uint32_t number) {
     static const char chatter[] = "NMEA $GPGGA,,*00 or whatever\r\n";
     size_t written;
-    now_us += 1000U;
+    desk.now_us += 1000U;
+    desk.pressed = pressed != 0;
     if (strcmp(mode, "board") == 0) {
-        board_loop_tick(&loop, 0);
+        board_loop_tick(&desk_loop, 0);
     } else if (strcmp(mode, "chatter") == 0) {
         if (number % 100U == 0U) {
             (void)serial_write(NULL, (const uint8_t *)chatter, sizeof chatter - 1U, &written);
@@ -178,10 +117,10 @@ static bool open_terminal(const char *link) {
 }
 
 static void start_board(const struct controller_config *settings) {
-    static struct board_config config;
-    config = (struct board_config){settings, stop_lines, 1, 1, notes, NULL};
-    const struct board_devices devices = {{&board_clock, NULL, &pwm}, &gpio, &serial, &watchdog};
-    board_loop_init(&loop, &config, &devices);
+    desk_config = (struct board_config){settings, desk_stop_lines, 1, DESK_LINES, notes, NULL};
+    const struct board_devices devices = {
+        {&desk_clock, NULL, &desk_pwm}, &desk_gpio, &serial, &desk_watchdog};
+    board_loop_init(&desk_loop, &desk_config, &devices);
 }
 
 int main(int argc, char **argv) {

@@ -4,6 +4,16 @@
 
 #define LINES_MAX 64U
 
+const struct hal_gpio_line gpio_suite_lines[GPIO_SUITE_LINES] = {
+    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = false},
+    {HAL_GPIO_INPUT, HAL_GPIO_PULL_UP, .active_low = true},
+    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false},
+    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true},
+    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = false, .initially_active = true},
+    {HAL_GPIO_OUTPUT, HAL_GPIO_PULL_NONE, .active_low = true, .initially_active = true},
+    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = true},
+    {HAL_GPIO_INPUT, HAL_GPIO_PULL_DOWN, .active_low = false}};
+
 static const struct gpio_fixture *fixture;
 static uint64_t seed;
 

@@ -4,6 +4,10 @@
 
 #include "hal/gpio.h"
 
+/// Every kind of line there is: a table to open a device with that can have any.
+enum { GPIO_SUITE_LINES = 8 };
+extern const struct hal_gpio_line gpio_suite_lines[GPIO_SUITE_LINES];
+
 struct gpio_fixture {
     const char *name;
     const struct hal_gpio *gpio;
