@@ -262,11 +262,11 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
     out->estop = file.safety.estop;
     out->enable = file.safety.enable;
     out->debounce_us = (uint32_t)file.safety.debounce_us;
-    const bool built = build_mount(&file, &out->ini, &out->controller) &&
-                       build_board(&file, &out->ini, out) &&
-                       build_axis(&file, &out->ini, AXIS_PAN, out) &&
-                       build_axis(&file, &out->ini, AXIS_TILT, out) &&
-                       build_zoom(&file, &out->ini, out) && channels_differ(out);
+    const bool built =
+        build_mount(&file, &out->ini, &out->controller) && build_board(&file, &out->ini, out) &&
+        build_axis(&file, &out->ini, AXIS_PAN, out) &&
+        build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
+        channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye);
     return built ? EXIT_STATUS_OK : EXIT_STATUS_USAGE;
 }
 

@@ -4,6 +4,7 @@
 #define LINUX_RIG_H
 
 #include "ini.h"
+#include "rig_camera.h"
 
 #include "control/controller.h"
 
@@ -21,6 +22,7 @@ struct rig {
     uint32_t board_baud;
     bool any_board_build;  ///< the board's build may differ from ours
     double fixed_focal_mm; ///< of the camera when there is no zoom axis
+    struct rig_eye eye;
 };
 
 /// Reads and checks a rig file. tick_us: overrides the file's; 0: does not.

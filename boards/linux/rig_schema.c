@@ -1,5 +1,7 @@
 #include "rig_schema.h"
 
+#include "rig_camera.h"
+
 #include <stddef.h>
 
 #define TURN_Q48 (UINT64_C(1) << 48)
@@ -224,43 +226,6 @@ static const struct ini_key zoom_keys[] = {
      .help = "time to reach full speed"},
 };
 
-#define CAMERA(member) .offset = offsetof(struct rig_camera, member)
-static const struct ini_key camera_keys[] = {
-    {.name = "sensor_width_mm",
-     .type = INI_DECIMAL,
-     .fallback = "4.8",
-     .min = "0.1",
-     .max = "1000",
-     .numerator = 1000,
-     CAMERA(sensor_width_um),
-     .help = "width of the image on the sensor"},
-    {.name = "sensor_height_mm",
-     .type = INI_DECIMAL,
-     .fallback = "3.6",
-     .min = "0.1",
-     .max = "1000",
-     .numerator = 1000,
-     CAMERA(sensor_height_um),
-     .help = "its height"},
-    {.name = "focal_mm",
-     .type = INI_DECIMAL,
-     .fallback = "6",
-     .min = "0.1",
-     .max = "4000",
-     .numerator = 1000,
-     CAMERA(focal_um),
-     .help = "focal length of a lens without zoom"},
-    {.name = "margin_percent",
-     .type = INI_DECIMAL,
-     .fallback = "10",
-     .min = "0",
-     .max = "900",
-     .numerator = 65536,
-     .denominator = 100,
-     CAMERA(margin_q16),
-     .help = "how much wider than the cone the picture is"},
-};
-
 #define CONTROLLER(member) .offset = offsetof(struct rig_controller, member)
 static const struct ini_key controller_keys[] = {
     {.name = "tick_us",
@@ -413,7 +378,8 @@ static const struct ini_section sections[] = {
      .help = "the zoom lens"},
     {.name = "camera",
      .presence = INI_OPTIONAL,
-     TABLE(camera_keys),
+     .keys = rig_camera_keys,
+     .key_count = RIG_CAMERA_KEY_COUNT,
      .offset = offsetof(struct rig_file, camera),
      .seen_offset = offsetof(struct rig_file, has_section),
      .help = "sensor and framing"},

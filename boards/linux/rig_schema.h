@@ -32,6 +32,10 @@ struct rig_zoom {
 
 struct rig_camera {
     int64_t sensor_width_um, sensor_height_um, focal_um, margin_q16;
+    int64_t width_px, height_px;
+    int64_t fx_upx, fy_upx, cx_upx, cy_upx; ///< millionths of a pixel; cx, cy negative: the middle
+    int64_t k1_nano, k2_nano, p1_nano, p2_nano, k3_nano;
+    int64_t right_udeg, up_udeg, roll_udeg, latency_us;
 };
 
 struct rig_controller {
