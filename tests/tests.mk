@@ -5,6 +5,7 @@
 test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(host_test_c:%.c=gcc/%) \
     $(patsubst %.c,san/%,$(filter tests/cli/% tests/contract/% tests/scenario/%,$(host_test_c))) \
+    $(patsubst %.c,san/%,$(filter tests/property/scene_tree% tests/property/scene_shape%,$(host_test_c))) \
     $(test_scripts:%.sh=script/%) \
     $(patsubst %.sh,script-san/%,$(filter tests/cli/%,$(test_scripts))) \
     $(mcu_runs) $(mcu_scripts:%.sh=script/%)

@@ -15,7 +15,7 @@
 struct settings {
     struct triple viewpoint, up;
     const char *output, *focal_px, *coarse_px;
-    bool json;
+    bool points, json;
 };
 
 static const struct option options[] = {
@@ -23,6 +23,8 @@ static const struct option options[] = {
      NULL},
     {"--coarse-px", "PX", "build: clusters below that radius are their centre (0.5; 0: never)",
      option_text, offsetof(struct settings, coarse_px), NULL},
+    {"--points", NULL, "build: only points; leave faces and lines out", option_flag,
+     offsetof(struct settings, points), NULL},
     {"--viewpoint", "X,Y,Z", "aim: where the viewer is (0,0,0)", option_triple,
      offsetof(struct settings, viewpoint), NULL},
     {"--up", "X,Y,Z", "aim: what shall be up in the picture (0,0,1)", option_triple,
@@ -59,7 +61,7 @@ static enum exit_status build(const struct command *command, const struct settin
         return EXIT_STATUS_USAGE;
     }
     struct scene_text scene;
-    enum exit_status status = scene_text_read(file, &scene);
+    enum exit_status status = scene_text_read(file, !settings->points, &scene);
     void *block = NULL;
     size_t size = 0;
     if (status == EXIT_STATUS_OK) {
@@ -93,6 +95,24 @@ static double unit_of(const struct tree *tree) {
     return unit;
 }
 
+static void print_shapes(struct facts *facts, const struct tree *tree) {
+    const struct tree_header *const h = tree->header;
+    uint32_t objects = 0, solids = 0, elements[2] = {0, 0};
+    for (uint32_t i = 0; i < h->part_count; i++) {
+        objects += tree->parts[i].name != TREE_NONE ? 1U : 0U;
+    }
+    for (uint32_t i = 0; i < h->shape_count; i++) {
+        solids += tree->shapes[i].kind == TREE_SOLID ? 1U : 0U;
+    }
+    for (uint32_t i = 0; i < h->element_count; i++) {
+        elements[tree->elements[i].kind]++;
+    }
+    facts_u64(facts, "objects", objects);
+    facts_u64(facts, "solids", solids);
+    facts_u64(facts, "faces", elements[TREE_FACE]);
+    facts_u64(facts, "lines", elements[TREE_LINE]);
+}
+
 static enum exit_status info(const struct settings *settings, const struct tree *tree) {
     const struct tree_header *const h = tree->header;
     struct facts facts;
@@ -102,6 +122,7 @@ static enum exit_status info(const struct settings *settings, const struct tree 
     facts_u64(&facts, "descriptions", h->description_count);
     facts_u64(&facts, "points", h->point_count);
     facts_u64(&facts, "levels", h->level_count);
+    print_shapes(&facts, tree);
     facts_significant(&facts, "unit", unit_of(tree), 17);
     if (h->node_count != 0U) {
         const struct tree_node *const root = &tree->nodes[0];
@@ -119,15 +140,12 @@ static bool place_viewpoint(const struct triple *viewpoint, const struct tree *t
                             struct vec3 *eye) {
     int32_t out[3] = {0, 0, 0};
     for (int axis = 0; axis < 3 && viewpoint->given; axis++) {
-        const struct decimal *const d = &viewpoint->component[axis];
-        const long double size =
-            (long double)d->head * powl(10.0L, (long double)d->exponent + d->digit_count -
-                                                   fminl(d->digit_count, DECIMAL_HEAD_DIGITS));
-        const long double value = (d->digit_count == 0U ? 0.0L : size) / (long double)unit_of(tree);
-        if (!(value <= (long double)TREE_COORDINATE_MAX)) {
+        const long double value =
+            decimal_value(&viewpoint->component[axis]) / (long double)unit_of(tree);
+        if (!(fabsl(value) <= (long double)TREE_COORDINATE_MAX)) {
             return false;
         }
-        out[axis] = (int32_t)lroundl(d->negative ? -value : value);
+        out[axis] = (int32_t)lroundl(value);
     }
     *eye = vec3(out[0], out[1], out[2]);
     return true;
@@ -145,10 +163,10 @@ static uint64_t count_points(const struct tree *tree) {
                 &tree->descriptions[node->first_description + k];
             const bool finest = !coarse[i] && k + 1U == node->description_count;
             for (uint32_t child = d->first;
-                 d->kind == TREE_NODES && !finest && child < d->first + d->count; child++) {
+                 tree_kind(d) == TREE_NODES && !finest && child < d->first + d->count; child++) {
                 coarse[child] = 1;
             }
-            count += finest && d->kind == TREE_POINTS ? d->count : 0U;
+            count += finest && tree_kind(d) == TREE_POINTS ? d->count : 0U;
         }
     }
     free(coarse);
@@ -299,7 +317,9 @@ const struct command command_scene = {
         "  group NAME ... end    a cluster of objects; may be nested\n"
         "  detail MIN_RADIUS_PX  a description of the object, the coarsest first; taken from that\n"
         "                        projected radius on\n"
-        "and writes it as a tree of spheres. Clusters are kept, the rest is clustered.\n"
+        "  detail within DIST    the same, taken while the viewer is that near\n"
+        "and writes it as a tree of spheres. Clusters are kept, the rest is clustered. Faces that\n"
+        "close up are a solid, which has to be convex; every face has to be planar.\n"
         "info tells what a tree holds.\n"
         "aim finds the narrowest cone of all points of the finest descriptions, as `boresight "
         "aim`\n"

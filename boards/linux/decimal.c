@@ -1,6 +1,7 @@
 #include "decimal.h"
 
 #include <assert.h>
+#include <math.h>
 
 static bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -223,4 +224,12 @@ bool decimal_fixed(const struct decimal *a, int32_t places, int128 *out) {
     }
     *out = a->negative ? -(int128)value : (int128)value;
     return true;
+}
+
+long double decimal_value(const struct decimal *a) {
+    const uint32_t kept =
+        a->digit_count < DECIMAL_HEAD_DIGITS ? a->digit_count : DECIMAL_HEAD_DIGITS;
+    const long double size =
+        (long double)a->head * powl(10.0L, (long double)a->exponent + a->digit_count - kept);
+    return a->digit_count == 0U ? 0.0L : a->negative ? -size : size;
 }

@@ -51,6 +51,9 @@ bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denomin
 /// Returns: whether |a| is below 10^(DECIMAL_HEAD_DIGITS - places). places: 0 to 36.
 bool decimal_fixed(const struct decimal *a, int32_t places, int128 *out);
 
+/// The value as a floating-point number; infinite beyond its range.
+long double decimal_value(const struct decimal *a);
+
 /// 10^exponent; exponent: 0 to 38.
 uint128 decimal_power10(uint32_t exponent);
 

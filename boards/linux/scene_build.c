@@ -1,35 +1,13 @@
 #include "scene_build.h"
 
-#include "scene_cluster.h"
+#include "scene_nodes.h"
 
-#include "solid/solid_sphere.h"
-
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 const struct scene_build_options scene_build_default = {4, 128, false};
 
 enum { CHILDREN_MOST = 4 };
-
-/// A node while the tree grows. Its points are order[first..first+count) of the build; of a parent
-/// only once put_in_order has run.
-struct node {
-    uint32_t first, count;
-    uint32_t child, child_count; ///< index of the first of its children, in `kids`
-    uint32_t thresholds;         ///< of an object with details: index of its first detail, + 1
-};
-
-struct build {
-    const struct scene_text *scene;
-    const struct scene_build_options *options;
-    struct cluster_point *order; ///< of all descriptions; in the end each node's are together
-    uint32_t order_count;
-    struct node *nodes;
-    uint32_t *kids; ///< children's node indices, by parent
-    uint32_t node_count, node_room, kid_count, kid_room;
-    bool failed, too_deep;
-};
 
 static void *grown(struct build *b, void *array, uint32_t wanted, uint32_t *room, size_t size) {
     if (wanted <= *room) {
@@ -47,7 +25,7 @@ static void *grown(struct build *b, void *array, uint32_t wanted, uint32_t *room
 }
 
 /// UINT32_MAX: no memory.
-static uint32_t add_node(struct build *b, struct node node) {
+static uint32_t add_node(struct build *b, struct build_node node) {
     b->nodes = grown(b, b->nodes, b->node_count + 1U, &b->node_room, sizeof *b->nodes);
     if (b->failed) {
         return UINT32_MAX;
@@ -62,9 +40,9 @@ static uint32_t add_parent(struct build *b, const uint32_t *children, uint32_t c
     if (b->failed) {
         return UINT32_MAX;
     }
-    struct node node = {UINT32_MAX, 0, b->kid_count, count, thresholds};
+    struct build_node node = {UINT32_MAX, 0, b->kid_count, count, thresholds, 0, 0};
     for (uint32_t i = 0; i < count; i++) {
-        const struct node *const child = &b->nodes[children[i]];
+        const struct build_node *const child = &b->nodes[children[i]];
         b->kids[b->kid_count++] = children[i];
         node.first = child->first < node.first ? child->first : node.first;
         node.count += child->count;
@@ -105,7 +83,7 @@ static uint32_t build_points(struct build *b, uint32_t first, uint32_t count, un
     const uint32_t whole = b->options->flat ? count : b->options->points_a_leaf;
     if (count <= whole || b->failed || depth == 0U) {
         b->too_deep = b->too_deep || count > whole;
-        return add_node(b, (struct node){first, count, 0, 0, 0});
+        return add_node(b, (struct build_node){first, count, 0, 0, 0, 0, 0});
     }
     uint32_t end[CHILDREN_MOST], child[CHILDREN_MOST];
     const uint32_t parts = split(b->order + first, count, whole, depth - 1U, end);
@@ -114,6 +92,15 @@ static uint32_t build_points(struct build *b, uint32_t first, uint32_t count, un
         child[i] = build_points(b, first + from, end[i] - from, depth - 1U);
     }
     return b->failed ? UINT32_MAX : add_parent(b, child, parts, 0);
+}
+
+/// A node above objects.
+static uint32_t add_cluster(struct build *b, const uint32_t *children, uint32_t count) {
+    const uint32_t node = add_parent(b, children, count, 0);
+    if (!b->failed) {
+        b->nodes[node].object = BUILD_CLUSTER;
+    }
+    return node;
 }
 
 /// A node above some nodes; items[] holds their centres, with the node as source.
@@ -133,7 +120,7 @@ static uint32_t build_items(struct build *b, struct cluster_point *items, uint32
         for (uint32_t i = 0; i < count; i++) {
             all[i] = items[i].source;
         }
-        const uint32_t node = add_parent(b, all, count, 0);
+        const uint32_t node = add_cluster(b, all, count);
         free(all);
         return node;
     }
@@ -142,12 +129,12 @@ static uint32_t build_items(struct build *b, struct cluster_point *items, uint32
         const uint32_t from = i == 0U ? 0U : end[i - 1U];
         child[i] = build_items(b, items + from, end[i] - from, depth - 1U);
     }
-    return b->failed ? UINT32_MAX : add_parent(b, child, parts, 0);
+    return b->failed ? UINT32_MAX : add_cluster(b, child, parts);
 }
 
 /// The middle of the box of a node's points.
 static struct cluster_point middle_of(const struct build *b, uint32_t node) {
-    const struct node *const n = &b->nodes[node];
+    const struct build_node *const n = &b->nodes[node];
     const struct cluster_box box = cluster_box(b->order + n->first, n->count);
     return (struct cluster_point){(box.low[0] + box.high[0]) / 2, (box.low[1] + box.high[1]) / 2,
                                   (box.low[2] + box.high[2]) / 2, node, n->count};
@@ -168,12 +155,18 @@ static uint32_t build_object(struct build *b, const struct scene_object *object)
             b->order[b->order_count++] = (struct cluster_point){p.x, p.y, p.z, v, 1};
         }
         child[k] = build_points(b, first, d->count, 24);
+        if (!b->failed) {
+            b->nodes[child[k]].detail = object->first_detail + k + 1U;
+        }
     }
     const uint32_t node = b->failed                    ? UINT32_MAX
                           : object->detail_count == 1U ? child[0]
                                                        : add_parent(b, child, object->detail_count,
                                                                     object->first_detail + 1U);
     free(child);
+    if (!b->failed) {
+        b->nodes[node].object = (uint32_t)(object - b->scene->objects) + 1U;
+    }
     return node;
 }
 
@@ -220,7 +213,7 @@ static void put_in_order(struct build *b, uint32_t root) {
         stack[depth++] = root;
     }
     while (depth != 0U) {
-        struct node *const node = &b->nodes[stack[--depth]];
+        struct build_node *const node = &b->nodes[stack[--depth]];
         if (node->child_count == 0U) {
             memcpy(order + placed, b->order + node->first, node->count * sizeof *order);
             node->first = placed;
@@ -231,7 +224,7 @@ static void put_in_order(struct build *b, uint32_t root) {
         }
     }
     for (uint32_t i = 0; i < b->node_count && !b->failed; i++) { // children come before parents
-        struct node *const node = &b->nodes[i];
+        struct build_node *const node = &b->nodes[i];
         for (uint32_t k = 0; k < node->child_count; k++) {
             const uint32_t first = b->nodes[b->kids[node->child + k]].first;
             node->first = k == 0U || first < node->first ? first : node->first;
@@ -244,158 +237,6 @@ static void put_in_order(struct build *b, uint32_t root) {
     } else {
         free(order);
     }
-}
-
-// ---------------------------------------------------------------- the block
-
-struct output {
-    struct tree_header header;
-    uint32_t *queue; ///< nodes in the order of the block
-    struct tree_node *nodes;
-    struct tree_description *descriptions;
-    struct tree_point *points;
-};
-
-/// The smallest sphere of a node's points in whole units, rounded outward.
-static bool set_sphere(const struct build *b, const struct node *node, struct vec3 *points,
-                       void *workspace, struct tree_node *out) {
-    for (uint32_t i = 0; i < node->count; i++) {
-        const struct cluster_point *const p = &b->order[node->first + i];
-        points[i] = vec3(p->x, p->y, p->z);
-    }
-    struct solid_sphere sphere;
-    if (solid_sphere_find(points, node->count, workspace, SOLID_SPHERE_WORKSPACE_BYTES(node->count),
-                          &sphere) != SOLID_SPHERE_OK) {
-        return false;
-    }
-    out->x = (int32_t)round_shift_i64(sphere.center_q30.x, 30);
-    out->y = (int32_t)round_shift_i64(sphere.center_q30.y, 30);
-    out->z = (int32_t)round_shift_i64(sphere.center_q30.z, 30);
-    // Half a unit on each axis, 0.867 in all, and up.
-    const uint64_t one = UINT64_C(1) << 30;
-    out->radius =
-        node->count == 1U ? 0U : (uint32_t)((sphere.radius_q30 + 931000000U + one - 1U) >> 30);
-    return true;
-}
-
-static void add_description(struct output *o, uint32_t radius_px_q8, enum tree_kind kind,
-                            uint32_t first, uint32_t count) {
-    o->descriptions[o->header.description_count++] =
-        (struct tree_description){radius_px_q8, kind, first, count};
-}
-
-/// A node's descriptions; its children enter the queue, its points the list.
-static void put_descriptions(const struct build *b, struct output *o, const struct node *node) {
-    if (node->thresholds != 0U) { // the user's own, a child each
-        for (uint32_t k = 0; k < node->child_count; k++) {
-            const uint32_t px = b->scene->details[node->thresholds - 1U + k].radius_px_q8;
-            add_description(o, k == 0U ? 0U : px, TREE_NODES, o->header.node_count, 1);
-            o->queue[o->header.node_count++] = b->kids[node->child + k];
-        }
-        return;
-    }
-    uint32_t fine = 0;
-    if (b->options->coarse_px_q8 != 0U && node->child_count != 0U) {
-        add_description(o, 0, TREE_CENTER, 0, 1);
-        fine = b->options->coarse_px_q8;
-    }
-    if (node->child_count != 0U) {
-        add_description(o, fine, TREE_NODES, o->header.node_count, node->child_count);
-        for (uint32_t k = 0; k < node->child_count; k++) {
-            o->queue[o->header.node_count++] = b->kids[node->child + k];
-        }
-        return;
-    }
-    add_description(o, fine, TREE_POINTS, o->header.point_count, node->count);
-    for (uint32_t i = 0; i < node->count; i++) {
-        const struct cluster_point *const p = &b->order[node->first + i];
-        o->points[o->header.point_count++] = (struct tree_point){p->x, p->y, p->z, p->source};
-    }
-}
-
-static bool write_nodes(const struct build *b, uint32_t root, struct output *o) {
-    const uint32_t most = b->nodes[root].count;
-    struct vec3 *const points = malloc(most * sizeof *points);
-    void *const workspace = malloc(SOLID_SPHERE_WORKSPACE_BYTES(most));
-    bool good = points != NULL && workspace != NULL;
-    o->queue[o->header.node_count++] = root;
-    uint32_t level_end = 0;
-    for (uint32_t i = 0; i < o->header.node_count && good; i++) {
-        if (i == level_end) {
-            level_end = o->header.node_count;
-            o->header.level_count++;
-        }
-        const struct node *const node = &b->nodes[o->queue[i]];
-        const uint32_t first = o->header.description_count;
-        good = set_sphere(b, node, points, workspace, &o->nodes[i]);
-        put_descriptions(b, o, node);
-        o->nodes[i].first_description = first;
-        o->nodes[i].description_count = o->header.description_count - first;
-    }
-    free(points);
-    free(workspace);
-    return good;
-}
-
-/// The parts one behind the other, with sum and counts.
-static enum scene_build_status assemble(struct output *o, void **block, size_t *size_bytes) {
-    struct tree_header *const h = &o->header;
-    const uint64_t size = sizeof *h + (uint64_t)h->node_count * sizeof *o->nodes +
-                          (uint64_t)h->description_count * sizeof *o->descriptions +
-                          (uint64_t)h->point_count * sizeof *o->points;
-    if (size > UINT32_MAX) {
-        return SCENE_BUILD_TOO_LARGE;
-    }
-    unsigned char *const bytes = malloc(size);
-    if (bytes == NULL) {
-        return SCENE_BUILD_NO_MEMORY;
-    }
-    h->size_bytes = (uint32_t)size;
-    unsigned char *at = bytes + sizeof *h;
-    if (h->node_count != 0U) {
-        memcpy(at, o->nodes, h->node_count * sizeof *o->nodes);
-        at += h->node_count * sizeof *o->nodes;
-        memcpy(at, o->descriptions, h->description_count * sizeof *o->descriptions);
-        at += h->description_count * sizeof *o->descriptions;
-        memcpy(at, o->points, h->point_count * sizeof *o->points);
-    }
-    memcpy(bytes, h, sizeof *h);
-    const size_t covered = offsetof(struct tree_header, node_count);
-    h->crc32 = tree_crc32(0, bytes + covered, size - covered);
-    memcpy(bytes, h, sizeof *h);
-    *block = bytes;
-    *size_bytes = size;
-    return SCENE_BUILD_OK;
-}
-
-static enum scene_build_status write_block(const struct build *b, uint32_t root, void **block,
-                                           size_t *size_bytes) {
-    struct output o = {.header = {.magic = TREE_MAGIC,
-                                  .version = TREE_VERSION,
-                                  .source_count = b->scene->vertices.count}};
-    const double unit = (double)b->scene->vertices.unit;
-    memcpy(o.header.unit_double, &unit, sizeof unit);
-    enum scene_build_status status = SCENE_BUILD_OK;
-    if (root != UINT32_MAX) {
-        const size_t nodes = b->node_count;
-        o.queue = malloc(nodes * sizeof *o.queue);
-        o.nodes = malloc(nodes * sizeof *o.nodes);
-        o.descriptions = malloc((2U * nodes + b->scene->detail_count) * sizeof *o.descriptions);
-        o.points = malloc((b->order_count + 1U) * sizeof *o.points);
-        status = o.queue != NULL && o.nodes != NULL && o.descriptions != NULL && o.points != NULL &&
-                         write_nodes(b, root, &o)
-                     ? SCENE_BUILD_OK
-                     : SCENE_BUILD_NO_MEMORY;
-    }
-    if (status == SCENE_BUILD_OK) {
-        status = o.header.level_count <= TREE_LEVELS_MAX ? assemble(&o, block, size_bytes)
-                                                         : SCENE_BUILD_TOO_DEEP;
-    }
-    free(o.queue);
-    free(o.nodes);
-    free(o.descriptions);
-    free(o.points);
-    return status;
 }
 
 enum scene_build_status scene_build(const struct scene_text *scene,
@@ -415,9 +256,10 @@ enum scene_build_status scene_build(const struct scene_text *scene,
     if (!b.failed && root != UINT32_MAX) {
         put_in_order(&b, root);
     }
-    const enum scene_build_status status = b.failed     ? SCENE_BUILD_NO_MEMORY
-                                           : b.too_deep ? SCENE_BUILD_TOO_DEEP
-                                                        : write_block(&b, root, block, size_bytes);
+    const enum scene_build_status status = b.failed ? SCENE_BUILD_NO_MEMORY
+                                           : b.too_deep
+                                               ? SCENE_BUILD_TOO_DEEP
+                                               : scene_block_write(&b, root, block, size_bytes);
     free(b.order);
     free(b.nodes);
     free(b.kids);

@@ -2,9 +2,9 @@
 
 #include "lines.h"
 #include "places.h"
+#include "scene_shape.h"
 
-#include "scene/tree.h"
-
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +18,7 @@ struct reader {
     int32_t group; ///< that new objects belong to
     uint32_t depth;
     unsigned long group_line[SCENE_DEPTH_MOST];
+    bool shapes; ///< wanted
     bool in_object;
     bool has_elements;  ///< the description that is being read
     bool any_detail;    ///< the object has a `detail` line
@@ -65,6 +66,51 @@ static bool add_point(struct reader *r, uint32_t vertex) {
     }
     s->points[s->point_count++] = vertex;
     return true;
+}
+
+static bool add_corner(struct reader *r, uint32_t vertex) {
+    struct scene_text *const s = r->scene;
+    s->corners = grow(r, s->corners, s->corner_count, &s->corner_room, sizeof *s->corners);
+    if (r->failed) {
+        return false;
+    }
+    s->corners[s->corner_count++] = vertex;
+    return true;
+}
+
+static bool add_element(struct reader *r, enum tree_element_kind kind, uint32_t first_corner) {
+    struct scene_text *const s = r->scene;
+    s->elements = grow(r, s->elements, s->element_count, &s->element_room, sizeof *s->elements);
+    if (r->failed) {
+        return false;
+    }
+    s->elements[s->element_count++] =
+        (struct scene_element){kind, first_corner, s->corner_count - first_corner, r->line};
+    s->details[s->detail_count - 1U].element_count++;
+    return true;
+}
+
+/// Keeps the rest of a line as a name. Returns: its offset; SCENE_NONE without memory.
+static uint32_t keep_name(struct reader *r, const char *at, const char *end) {
+    struct scene_text *const s = r->scene;
+    const uint32_t offset = s->name_bytes;
+    while (at < end && (*at == ' ' || *at == '\t')) {
+        at++;
+    }
+    while (at < end && (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r')) {
+        end--;
+    }
+    for (; at <= end; at++) {
+        s->names = grow(r, s->names, s->name_bytes, &s->name_room, 1);
+        if (r->failed) {
+            return SCENE_NONE;
+        }
+        s->names[s->name_bytes++] = '\0';
+        if (at < end) {
+            s->names[s->name_bytes - 1U] = *at != '\0' ? *at : '?';
+        }
+    }
+    return offset;
 }
 
 static int compare_u32(const void *a, const void *b) {
@@ -120,32 +166,40 @@ static bool end_object(struct reader *r) {
     return true;
 }
 
-static bool begin_detail(struct reader *r, uint32_t radius_px_q8) {
+/// distance: 0: the description goes by the radius.
+static bool begin_detail(struct reader *r, uint32_t radius_px_q8, double distance) {
     struct scene_text *const s = r->scene;
     s->details = grow(r, s->details, s->detail_count, &s->detail_room, sizeof *s->details);
     if (r->failed) {
         return false;
     }
-    s->details[s->detail_count++] = (struct scene_detail){radius_px_q8, s->point_count, 0, r->line};
+    s->details[s->detail_count++] = (struct scene_detail){.radius_px_q8 = radius_px_q8,
+                                                          .distance = distance,
+                                                          .first = s->point_count,
+                                                          .line = r->line,
+                                                          .first_element = s->element_count};
     s->objects[s->object_count - 1U].detail_count++;
     r->has_elements = false;
     r->first_own = s->vertices.count;
     return true;
 }
 
-static bool begin_object(struct reader *r) {
+/// at, end: its name.
+static bool begin_object(struct reader *r, const char *at, const char *end) {
     struct scene_text *const s = r->scene;
-    if (!end_object(r)) {
+    const uint32_t name = end_object(r) ? keep_name(r, at, end) : SCENE_NONE;
+    if (name == SCENE_NONE) {
         return false;
     }
     s->objects = grow(r, s->objects, s->object_count, &s->object_room, sizeof *s->objects);
     if (r->failed) {
         return false;
     }
-    s->objects[s->object_count++] = (struct scene_object){r->group, s->detail_count, 0, r->line};
+    s->objects[s->object_count++] =
+        (struct scene_object){r->group, s->detail_count, 0, r->line, name};
     r->in_object = true;
     r->any_detail = false;
-    return begin_detail(r, 0);
+    return begin_detail(r, 0, 0);
 }
 
 static bool read_vertex(struct reader *r, const char *at, const char *end) {
@@ -174,69 +228,113 @@ static bool read_vertex(struct reader *r, const char *at, const char *end) {
     return true;
 }
 
-static bool read_element(struct reader *r, const char *at, const char *end) {
-    struct points_word word;
-    bool any = false;
-    if (!r->in_object && !begin_object(r)) {
+/// The vertex that a word names. False: told that it names none.
+static bool read_index(const struct reader *r, struct points_word word, uint32_t *vertex) {
+    const char *const slash = memchr(word.text, '/', word.size);
+    const size_t size = slash != NULL ? (size_t)(slash - word.text) : word.size;
+    const int64_t count = (int64_t)r->scene->vertices.count;
+    struct decimal value;
+    int64_t number = 0;
+    if (decimal_read(word.text, size, &value) != DECIMAL_OK || value.exponent < 0 ||
+        !decimal_scale(&value, 1, 1, &number) || number == 0 || number > count || number < -count) {
+        message_at(r->file, r->line, "%s is no vertex so far",
+                   message_quoted(word.text, word.size).text);
         return false;
     }
-    while (next_word(&at, end, &word)) {
-        const char *const slash = memchr(word.text, '/', word.size);
-        const size_t size = slash != NULL ? (size_t)(slash - word.text) : word.size;
-        struct decimal value;
-        int64_t number = 0;
-        if (decimal_read(word.text, size, &value) != DECIMAL_OK || value.exponent < 0 ||
-            !decimal_scale(&value, 1, 1, &number) || number == 0 ||
-            number > (int64_t)r->scene->vertices.count ||
-            number < -(int64_t)r->scene->vertices.count) {
-            message_at(r->file, r->line, "%s is no vertex so far",
-                       message_quoted(word.text, word.size).text);
-            return false;
-        }
-        const int64_t index = number > 0 ? number - 1 : (int64_t)r->scene->vertices.count + number;
-        if (!add_point(r, (uint32_t)index)) {
-            return false;
-        }
-        any = true;
+    *vertex = (uint32_t)(number > 0 ? number - 1 : count + number);
+    return true;
+}
+
+/// sort: f, l or p.
+static bool read_element(struct reader *r, char sort, const char *at, const char *end) {
+    static const char none[] = "";
+    struct points_word word;
+    uint32_t count = 0;
+    if (!r->in_object && !begin_object(r, none, none)) {
+        return false;
     }
-    if (!any) {
-        message_at(r->file, r->line, "an element without vertices");
+    const uint32_t first = r->scene->corner_count;
+    const bool shape = r->shapes && sort != 'p';
+    for (; next_word(&at, end, &word); count++) {
+        uint32_t vertex;
+        if (!read_index(r, word, &vertex) || !add_point(r, vertex) ||
+            (shape && !add_corner(r, vertex))) {
+            return false;
+        }
+    }
+    if (count < (sort == 'f' ? 3U : sort == 'l' ? 2U : 1U)) {
+        message_at(r->file, r->line,
+                   sort == 'f'   ? "a face has at least three corners"
+                   : sort == 'l' ? "a line has at least two ends"
+                                 : "an element without vertices");
+        return false;
     }
     r->has_elements = true;
-    return any;
+    return !shape || add_element(r, sort == 'f' ? TREE_FACE : TREE_LINE, first);
+}
+
+/// `RADIUS_PX` or `within DISTANCE`, of which one is 0.
+static bool read_threshold(const struct reader *r, const char *at, const char *end,
+                           uint32_t *radius_px_q8, double *distance) {
+    struct points_word word, more;
+    struct decimal value;
+    int64_t scaled = -1;
+    *radius_px_q8 = 0;
+    *distance = 0;
+    bool good = next_word(&at, end, &word);
+    if (good && is_word(word, "within")) {
+        good = next_word(&at, end, &word) && !next_word(&at, end, &more) &&
+               decimal_read(word.text, word.size, &value) == DECIMAL_OK;
+        *distance = good ? (double)decimal_value(&value) : 0;
+        if (!good || !(*distance > 0) || isinf(*distance)) {
+            message_at(r->file, r->line, "detail within needs a distance above 0");
+            return false;
+        }
+        return true;
+    }
+    if (!good || next_word(&at, end, &more) ||
+        decimal_read(word.text, word.size, &value) != DECIMAL_OK ||
+        !decimal_scale(&value, 256, 1, &scaled) || scaled < 0 || scaled > INT32_MAX) {
+        message_at(r->file, r->line, "detail needs a radius in pixels from 0 to 8000000");
+        return false;
+    }
+    *radius_px_q8 = (uint32_t)scaled;
+    return true;
 }
 
 static bool read_detail(struct reader *r, const char *at, const char *end) {
     struct scene_text *const s = r->scene;
-    struct points_word word, more;
-    struct decimal value;
-    int64_t px_q8 = -1;
-    if (!next_word(&at, end, &word) || next_word(&at, end, &more) ||
-        decimal_read(word.text, word.size, &value) != DECIMAL_OK ||
-        !decimal_scale(&value, 256, 1, &px_q8) || px_q8 < 0 || px_q8 > INT32_MAX) {
-        message_at(r->file, r->line, "detail needs a radius in pixels from 0 to 8000000");
+    uint32_t px_q8;
+    double distance;
+    if (!read_threshold(r, at, end, &px_q8, &distance)) {
         return false;
     }
     if (!r->in_object) {
         message_at(r->file, r->line, "detail outside of an object");
         return false;
     }
+    struct scene_detail *const last = &s->details[s->detail_count - 1U];
     if (!r->any_detail) { // what stood before the first detail is none
-        if (s->point_count != s->details[s->detail_count - 1U].first ||
-            s->vertices.count != r->first_own) {
+        if (s->point_count != last->first || s->vertices.count != r->first_own) {
             message_at(r->file, r->line, "the object has points before its first detail");
             return false;
         }
-        s->details[s->detail_count - 1U].line = r->line;
-        s->details[s->detail_count - 1U].radius_px_q8 = (uint32_t)px_q8;
+        last->line = r->line;
+        last->radius_px_q8 = px_q8;
+        last->distance = distance;
         r->any_detail = true;
         return true;
     }
-    if ((uint32_t)px_q8 <= s->details[s->detail_count - 1U].radius_px_q8) {
-        message_at(r->file, r->line, "details go from coarse to fine: the radius has to grow");
+    if ((distance > 0) != (last->distance > 0)) {
+        message_at(r->file, r->line, "details of one object go by radius or by distance, not both");
         return false;
     }
-    return end_detail(r) && begin_detail(r, (uint32_t)px_q8);
+    if (distance > 0 ? distance >= last->distance : px_q8 <= last->radius_px_q8) {
+        message_at(r->file, r->line, "details go from coarse to fine: the %s",
+                   distance > 0 ? "distance has to shrink" : "radius has to grow");
+        return false;
+    }
+    return end_detail(r) && begin_detail(r, px_q8, distance);
 }
 
 static bool begin_group(struct reader *r) {
@@ -281,10 +379,10 @@ static bool read_line(struct reader *r, const char *at, const char *end) {
         return read_vertex(r, at, end);
     }
     if (is_word(word, "f") || is_word(word, "l") || is_word(word, "p")) {
-        return read_element(r, at, end);
+        return read_element(r, *word.text, at, end);
     }
     if (is_word(word, "o") || is_word(word, "g")) {
-        return begin_object(r);
+        return begin_object(r, at, end);
     }
     if (is_word(word, "detail")) {
         return read_detail(r, at, end);
@@ -328,7 +426,7 @@ static enum exit_status read_all(struct reader *r, struct lines *lines) {
     }
     // A file of nothing but vertices is one object.
     if (r->scene->object_count == 0U && !r->in_object && r->scene->vertices.count != 0U) {
-        if (!begin_object(r)) {
+        if (!begin_object(r, r->file, r->file)) {
             return EXIT_STATUS_FAILURE;
         }
         r->first_own = 0;
@@ -338,16 +436,16 @@ static enum exit_status read_all(struct reader *r, struct lines *lines) {
     }
     places_finish(&r->scene->vertices, true, PLACES_MOST);
     places_spread(&r->scene->vertices, PLACES_MOST);
-    return EXIT_STATUS_OK;
+    return scene_shape_check(r->scene, r->file);
 }
 
-enum exit_status scene_text_read(const char *path, struct scene_text *out) {
+enum exit_status scene_text_read(const char *path, bool shapes, struct scene_text *out) {
     struct lines lines;
     *out = (struct scene_text){0};
     if (!lines_open(&lines, path)) {
         return EXIT_STATUS_USAGE;
     }
-    struct reader reader = {.scene = out, .file = lines.name, .group = -1};
+    struct reader reader = {.scene = out, .file = lines.name, .group = -1, .shapes = shapes};
     const enum exit_status status = read_all(&reader, &lines);
     lines_close(&lines);
     return status;
@@ -359,5 +457,8 @@ void scene_text_free(struct scene_text *scene) {
     free(scene->details);
     free(scene->groups);
     free(scene->points);
+    free(scene->elements);
+    free(scene->corners);
+    free(scene->names);
     *scene = (struct scene_text){0};
 }

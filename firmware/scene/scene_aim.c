@@ -128,20 +128,21 @@ static void push(struct aim *aim, uint32_t first, uint32_t count) {
 /// False: a point is at the viewpoint.
 static bool open_node(struct aim *aim, uint32_t index) {
     const struct tree_node *const node = &aim->tree->nodes[index];
-    uint32_t px_q8 = UINT32_MAX;
+    uint32_t px_q8 = UINT32_MAX, distance = 0;
     if (aim->options->focal_px_q8 != 0U) {
         px_q8 = view_straight_px_q8(aim->options->focal_px_q8, aim->options->eye, tree_center(node),
                                     node->radius);
+        distance = view_distance(aim->options->eye, tree_center(node));
     }
-    const struct tree_description *const d = view_choose(aim->tree, node, px_q8);
+    const struct tree_description *const d = view_choose(aim->tree, node, px_q8, distance);
     aim->result->nodes_opened++;
-    if (d->kind == TREE_NODES) {
+    if (tree_kind(d) == TREE_NODES) {
         push(aim, d->first, d->count);
-    } else if (d->kind == TREE_CENTER) {
+    } else if (tree_kind(d) == TREE_CENTER) {
         aim->result->loss_px_q8 = px_q8 > aim->result->loss_px_q8 ? px_q8 : aim->result->loss_px_q8;
         return meet(aim, index | SCENE_AIM_CENTER, from_eye(aim, node->x, node->y, node->z));
     }
-    for (uint32_t i = d->first; d->kind == TREE_POINTS && i < d->first + d->count; i++) {
+    for (uint32_t i = d->first; tree_kind(d) == TREE_POINTS && i < d->first + d->count; i++) {
         const struct tree_point *const p = &aim->tree->points[i];
         if (!meet(aim, i, from_eye(aim, p->x, p->y, p->z))) {
             return false;

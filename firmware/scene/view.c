@@ -89,10 +89,20 @@ uint32_t view_straight_px_q8(uint32_t focal_px_q8, struct vec3 eye, struct vec3 
     return projected(focal_px_q8, radius, distance2, distance2);
 }
 
+uint32_t view_distance(struct vec3 eye, struct vec3 center) {
+    const uint64_t distance2 = squared(from_eye(eye, center));
+    const uint32_t root = root_u64(distance2);
+    return root < UINT32_MAX && (uint64_t)root * root < distance2 ? root + 1U : root;
+}
+
 const struct tree_description *view_choose(const struct tree *tree, const struct tree_node *node,
-                                           uint32_t radius_px_q8) {
+                                           uint32_t radius_px_q8, uint32_t distance) {
     const struct tree_description *d = &tree->descriptions[node->first_description];
-    for (uint32_t k = 1; k < node->description_count && d[1].radius_px_q8 <= radius_px_q8; k++) {
+    const bool by_distance = (d->kind & TREE_BY_DISTANCE) != 0U;
+    for (uint32_t k = 1;
+         k < node->description_count &&
+         (by_distance ? d[1].threshold >= distance : d[1].threshold <= radius_px_q8);
+         k++) {
         d++;
     }
     return d;

@@ -40,8 +40,12 @@ uint32_t view_radius_px_q8(const struct view *view, struct vec3 center, uint32_t
 uint32_t view_straight_px_q8(uint32_t focal_px_q8, struct vec3 eye, struct vec3 center,
                              uint32_t radius);
 
-/// The description to choose at this projected radius: the last whose threshold is reached.
+/// Distance of a sphere's centre from the eye in whole units, rounded up.
+uint32_t view_distance(struct vec3 eye, struct vec3 center);
+
+/// The description to choose at this projected radius, or at this distance, whichever the node goes
+/// by: the last whose threshold is reached. UINT32_MAX and 0 give the finest.
 const struct tree_description *view_choose(const struct tree *tree, const struct tree_node *node,
-                                           uint32_t radius_px_q8);
+                                           uint32_t radius_px_q8, uint32_t distance);
 
 #endif

@@ -13,16 +13,18 @@ struct walk_level {
 struct walk {
     const struct tree *tree;
     const struct view *view;
+    bool shapes; ///< set it after walk_start: a node with a shape is given as that, not in points
     uint32_t depth; ///< levels in use
     struct walk_level level[TREE_LEVELS_MAX];
     uint32_t nodes_opened; ///< nodes looked at
     uint32_t sphere_tests; ///< of these, tested against the pyramid
 };
 
-/// Something to draw: points, or a centre.
+/// Something to draw: points, a centre, or a shape.
 struct walk_item {
     const struct tree_node *node;
-    const struct tree_description *description; ///< TREE_POINTS or TREE_CENTER
+    const struct tree_description *description; ///< TREE_POINTS or TREE_CENTER; with a shape any
+    const struct tree_shape *shape;             ///< NULL: none
     bool crossing;                              ///< the border of the picture may cut it
     uint32_t radius_px_q8; ///< of the node's sphere; for TREE_CENTER it bounds the error
 };

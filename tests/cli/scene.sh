@@ -26,7 +26,7 @@ run scene build "$dir/town.scene" -o "$dir/town.coca"
 [ "$status" -eq 0 ] && [ ! -s "$dir/out" ] && [ ! -s "$dir/err" ] && [ ! -e "$dir/town.coca.new" ]
 verdict 'build' $?
 run scene info --json "$dir/town.coca"
-has 'info' 0 'points=8' 'nodes=7' 'levels=4' "bytes=$(wc -c <"$dir/town.coca" | tr -d ' ')"
+has 'info' 0 'objects=3' 'solids=0' 'faces=1' 'lines=1' 'points=8' 'nodes=7' 'levels=4' "bytes=$(wc -c <"$dir/town.coca" | tr -d ' ')"
 for eye in 0,0,0 -3,1.25,7 20,5,-1; do
     run aim --json --viewpoint $eye "$dir/town.txt"
     facts
@@ -43,6 +43,16 @@ run scene aim --viewpoint 4,12,1 "$dir/town.coca"
 ends 'from the place of a point' 2 "$dir/town.coca: a point is at the viewpoint: it has no direction"
 run scene aim --viewpoint 1e9,0,0 "$dir/town.coca"
 ends 'from too far away' 2 'boresight scene: --viewpoint is more than 128 from the origin of this scene'
+
+# By distance: four corners from far away, all eight from within 10.
+printf 'v 0 20 0\nv 1 20 0\nv 1 21 0\nv 0 21 3\no a\ndetail within 100\np 1 2\ndetail within 10\np 1 2 3 4\n' >"$dir/near.scene"
+run scene build --coarse-px 0 -o "$dir/near.coca" "$dir/near.scene"
+for eye in 0,0,0 0,13,0; do
+    run scene aim --json --focal-px 1000 --viewpoint $eye "$dir/near.coca"
+    facts
+    [ "$(fact 'support[2]')" = "$([ $eye = 0,0,0 ] || echo 3)" ]
+    verdict "a description by distance, from $eye" $?
+done
 
 # Ten thousand points in a hundred heaps: a few are read; a camera of low resolution reads fewer.
 awk 'BEGIN { srand(5); for (o = 0; o < 100; o++) { print "o heap"; x = 100 * rand(); y = 300 + 100 * rand(); z = 50 * rand()
@@ -86,6 +96,31 @@ bad 'details that do not grow' 6 'details go from coarse to fine: the radius has
     'v 0 1 2\no a\ndetail 2\np 1\n\ndetail 2\np 1\n'
 bad 'a description without points' 3 'the description has no points' 'v 0 1 2\no a\ndetail 2\ndetail 3\np 1\n'
 bad 'points before the first detail' 4 'the object has points before its first detail' 'v 0 1 2\no a\np 1\ndetail 2\n'
+cube='v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\no cube\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n'
+printf "$cube" | run scene build -o "$dir/cube.coca"
+run scene info --json "$dir/cube.coca"
+has 'faces that close up are a solid' 0 'objects=1' 'solids=1' 'faces=6' 'lines=0' 'points=8'
+printf "$cube" | sed '$d' >"$dir/input"
+run scene build -o "$dir/cube.coca" <"$dir/input"
+run scene info --json "$dir/cube.coca"
+has 'faces that do not are none' 0 'objects=1' 'solids=0' 'faces=5'
+bad 'a face that is not planar' 6 'the face is not planar: cut it into triangles' 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 .001\no a\nf 1 2 3 4\n'
+bad 'a face on a line' 4 'the face has no area: its corners are on one line' 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n'
+bad 'a corner twice' 5 'the face names a vertex twice' 'v 0 0 0\nv 1 0 0\nv 2 1 0\no x\nf 1 2 1 3\n'
+bad 'a face of two corners' 3 'a face has at least three corners' 'v 0 0 0\nv 1 0 0\nf 1 2\n'
+bad 'a line of one end' 2 'a line has at least two ends' 'v 0 0 0\nl 1\n'
+# A tetrahedron with a dent: its fifth vertex is inside.
+dented='v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nv 1 1 1\no dented\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n'
+bad 'a solid that is not convex' 10 'the solid is not convex: this face has corners on both sides; --points leaves faces out' "$dented"
+printf "$dented" >"$dir/dented.scene"
+run scene build --points -o "$dir/dented.coca" "$dir/dented.scene"
+run scene info --json "$dir/dented.coca"
+has 'only its points' 0 'objects=1' 'faces=0' 'points=5'
+bad 'radius and distance' 6 'details of one object go by radius or by distance, not both' \
+    'v 0 1 2\no a\ndetail 2\np 1\n\ndetail within 3\np 1\n'
+bad 'distances that do not shrink' 5 'details go from coarse to fine: the distance has to shrink' \
+    'v 0 1 2\no a\ndetail within 2\np 1\ndetail within 3\np 1\n'
+bad 'no distance' 3 'detail within needs a distance above 0' 'v 0 1 2\no a\ndetail within -2\np 1\n'
 bad 'another line' 2 "'curve' is no line of a scene" 'v 0 1 2\ncurve 1\n'
 bad 'groups too deep' 17 'groups nested deeper than 16' "$(awk 'BEGIN { for (i = 0; i < 17; i++) printf "group g\\n" }')"
 run scene build "$dir/town.scene"

@@ -42,8 +42,8 @@ static void use(const struct tree *tree) {
     walk_start(&walk, tree, &view);
     uint64_t points = 0;
     while (walk_next(&walk, &item)) {
-        for (uint32_t i = 0; item.description->kind == TREE_POINTS && i < item.description->count;
-             i++) {
+        for (uint32_t i = 0;
+             tree_kind(item.description) == TREE_POINTS && i < item.description->count; i++) {
             points += (uint64_t)tree->points[item.description->first + i].source;
         }
     }
@@ -133,12 +133,12 @@ static void spheres_hold_their_points(void) {
                 const struct tree_description *const d =
                     &tree.descriptions[tree.nodes[i].first_description + k];
                 for (uint32_t c = 0; c < d->count; c++) {
-                    if (d->kind == TREE_NODES) {
+                    if (tree_kind(d) == TREE_NODES) {
                         parent[d->first + c] = i;
                         continue;
                     }
                     const struct tree_point *const p = &tree.points[d->first + c];
-                    for (uint32_t n = i; d->kind == TREE_POINTS; n = parent[n]) {
+                    for (uint32_t n = i; tree_kind(d) == TREE_POINTS; n = parent[n]) {
                         const double x = (double)p->x - tree.nodes[n].x,
                                      y = (double)p->y - tree.nodes[n].y,
                                      z = (double)p->z - tree.nodes[n].z, r = tree.nodes[n].radius;

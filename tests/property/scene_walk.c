@@ -159,7 +159,7 @@ static void nothing_is_missing(void) {
             walk_start(&walk, &tree, &c.view);
             while (walk_next(&walk, &item)) {
                 pictures++;
-                if (item.description->kind == TREE_CENTER) {
+                if (tree_kind(item.description) == TREE_CENTER) {
                     centers++;
                     CHECK(item.radius_px_q8 < options.coarse_px_q8);
                     // What the centre stands for counts as shown.

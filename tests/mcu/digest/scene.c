@@ -30,9 +30,10 @@ static void draw_leaf(struct digest *d, uint32_t leaf) {
     node->radius = 0;
     node->first_description = 1U + 2U * leaf;
     node->description_count = 2;
+    node->part = TREE_NONE;
     block.description[1U + 2U * leaf] = (struct tree_description){.kind = TREE_CENTER, .count = 1};
     block.description[2U + 2U * leaf] =
-        (struct tree_description){.radius_px_q8 = 256U * (1U + digest_below(d, 20)),
+        (struct tree_description){.threshold = 256U * (1U + digest_below(d, 20)),
                                   .kind = TREE_POINTS,
                                   .first = leaf * EACH,
                                   .count = EACH};
@@ -49,7 +50,7 @@ static void draw_leaf(struct digest *d, uint32_t leaf) {
 }
 
 static struct tree draw_tree(struct digest *d) {
-    block.node[0] = (struct tree_node){.description_count = 1};
+    block.node[0] = (struct tree_node){.description_count = 1, .part = TREE_NONE};
     block.description[0] =
         (struct tree_description){.kind = TREE_NODES, .first = 1, .count = LEAVES};
     for (uint32_t leaf = 0; leaf < LEAVES; leaf++) {

@@ -26,7 +26,8 @@ static struct vec3 sum(struct vec3 a, struct vec3 b) {
 }
 
 static void add_detail(struct scene_text *s, uint32_t px_q8, uint32_t first, uint32_t count) {
-    s->details[s->detail_count++] = (struct scene_detail){px_q8, first, count, 0};
+    s->details[s->detail_count++] =
+        (struct scene_detail){.radius_px_q8 = px_q8, .first = first, .count = count};
     s->objects[s->object_count - 1U].detail_count++;
 }
 
@@ -53,7 +54,8 @@ struct scene_text scene_set_draw(const struct scene_set *set, uint64_t *random) 
             const uint32_t end = (uint32_t)((uint64_t)(object + 1U) * n / objects);
             if (object == 0U || !set->loose) {
                 const int32_t group = detailed ? (int32_t)((uint64_t)object * 4U / objects) : -1;
-                s.objects[s.object_count++] = (struct scene_object){group, s.detail_count, 0, 0};
+                s.objects[s.object_count++] =
+                    (struct scene_object){group, s.detail_count, 0, 0, SCENE_NONE};
                 const uint32_t last = set->loose ? n : end, few = (last - i) / 4U;
                 if (detailed && few != 0U) {
                     add_detail(&s, 0, i, few);
@@ -93,12 +95,12 @@ uint32_t scene_set_finest(const struct tree *tree, struct vec3 eye, struct vec3 
         const struct tree_node *const node = &tree->nodes[i];
         const struct tree_description *const d =
             &tree->descriptions[node->first_description + node->description_count - 1U];
-        for (uint32_t k = d->first; reached[i] && d->kind == TREE_NODES && k < d->first + d->count;
-             k++) {
+        for (uint32_t k = d->first;
+             reached[i] && tree_kind(d) == TREE_NODES && k < d->first + d->count; k++) {
             reached[k] = 1;
         }
-        for (uint32_t k = d->first; reached[i] && d->kind == TREE_POINTS && k < d->first + d->count;
-             k++) {
+        for (uint32_t k = d->first;
+             reached[i] && tree_kind(d) == TREE_POINTS && k < d->first + d->count; k++) {
             out[count] = vec3(tree->points[k].x - eye.x, tree->points[k].y - eye.y,
                               tree->points[k].z - eye.z);
             reference[count++] = k;
