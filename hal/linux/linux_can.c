@@ -1,5 +1,6 @@
 #include "linux/linux_can.h"
 
+#include "linux/linux_can_errors.h"
 #include "linux/linux_can_link.h"
 
 #include <errno.h>
@@ -11,7 +12,6 @@
 // The kernel's struct of that name would clash with ours.
 #define can_frame kernel_can_frame
 #include <linux/can.h>
-#include <linux/can/error.h>
 #include <linux/can/raw.h>
 #undef can_frame
 
@@ -19,18 +19,11 @@
 #define ERROR_FRAMES_MAX 32
 /// What is asked of the kernel to restart is not asked again sooner.
 #define RESTART_PAUSE_US 100000U
-#ifndef CAN_ERR_CNT
-#define CAN_ERR_CNT 0x00000200U // since Linux 6.0: the counters are given
-#endif
 
 // ---------------------------------------------------------------- health
 
 static void set_health(struct linux_can *can, enum hal_can_health health) {
-    static const uint16_t stand_in[] = {
-        [HAL_CAN_ACTIVE] = 0, [HAL_CAN_PASSIVE] = 128, [HAL_CAN_OFF] = 256};
-    can->state.health = health;
-    can->state.transmit_error_count = stand_in[health];
-    can->state.receive_error_count = health == HAL_CAN_PASSIVE ? 128 : 0;
+    linux_can_set_health(&can->state, health);
 }
 
 static void set_link_down(struct linux_can *can) {
@@ -49,27 +42,9 @@ static enum hal_status set_gone(struct linux_can *can) {
 }
 
 static void digest_error(struct linux_can *can, const struct kernel_can_frame *frame) {
-    const uint32_t classes = frame->can_id;
-    if ((classes & CAN_ERR_CRTL) != 0U) {
-        const unsigned state = frame->data[1];
-        can->controller_drops += (state & CAN_ERR_CRTL_RX_OVERFLOW) != 0U;
-        if ((state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0U) {
-            set_health(can, HAL_CAN_PASSIVE);
-        } else if ((state & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING |
-                             CAN_ERR_CRTL_ACTIVE)) != 0U) {
-            set_health(can, HAL_CAN_ACTIVE);
-        }
-    }
-    if ((classes & CAN_ERR_RESTARTED) != 0U) {
-        set_health(can, HAL_CAN_ACTIVE);
-    }
-    if ((classes & CAN_ERR_BUSOFF) != 0U) {
-        set_health(can, HAL_CAN_OFF);
+    if (linux_can_digest_error(&can->state, frame->can_id, frame->data)) {
         linux_error_set(&can->error, can->name, "bus-off",
                         "check cable, termination and bit rate; it is restarted");
-    } else if ((classes & CAN_ERR_CNT) != 0U && can->state.health != HAL_CAN_OFF) {
-        can->state.transmit_error_count = frame->data[6];
-        can->state.receive_error_count = frame->data[7];
     }
 }
 
@@ -218,7 +193,7 @@ static enum hal_status linux_can_state(void *ctx, struct hal_can_state *state) {
         return HAL_ERROR_GONE;
     }
     *state = can->state;
-    state->lost_count = can->socket_drops + can->controller_drops;
+    state->lost_count += can->socket_drops;
     return HAL_OK;
 }
 
@@ -326,7 +301,8 @@ static enum hal_status open_failed(struct linux_can *can) {
 }
 
 static enum hal_status set_up_socket(struct linux_can *can) {
-    const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CNT;
+    const can_err_mask_t errors = LINUX_CAN_ERROR_CONTROLLER | LINUX_CAN_ERROR_OFF |
+                                  LINUX_CAN_ERROR_RESTARTED | LINUX_CAN_ERROR_COUNTERS;
     const int on = 1;
     const struct sockaddr_can address = {.can_family = AF_CAN, .can_ifindex = can->index};
     can->fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);

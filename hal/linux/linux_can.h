@@ -43,8 +43,8 @@ struct linux_can {
     bool link_down; ///< by `ip link set down`, as opposed to bus-off
     char name[LINUX_CAN_NAME_BYTES];
     const struct hal_clock *clock;
-    struct hal_can_state state;
-    uint32_t socket_drops, controller_drops;
+    struct hal_can_state state; ///< lost_count: by the controller
+    uint32_t socket_drops;
     bool restarting;
     uint32_t restart_us; ///< when the kernel was last asked, and what it said
     enum hal_status restart_status;

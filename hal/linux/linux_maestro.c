@@ -26,7 +26,8 @@ enum request {
 #define MINI_BYTES         8U
 #define SERVO_RECORD_BYTES 7U
 
-static const uint16_t products[] = {0x0089, 0x008A, 0x008B, 0x008C};
+static const struct linux_usb_id models[] = {
+    {VENDOR, 0x0089}, {VENDOR, 0x008A}, {VENDOR, 0x008B}, {VENDOR, 0x008C}};
 static const uint32_t channels_of[] = {6, 12, 18, 24};
 
 // ---------------------------------------------------------------- requests
@@ -215,9 +216,8 @@ enum hal_status linux_maestro_bind(struct linux_maestro *maestro, const struct h
 }
 
 enum hal_status linux_maestro_open(struct linux_maestro *maestro, const char *serial_number) {
-    const struct linux_usb_wanted wanted = {.vendor = VENDOR,
-                                            .products = products,
-                                            .product_count = 4,
+    const struct linux_usb_wanted wanted = {.ids = models,
+                                            .id_count = 4,
                                             .serial_number = serial_number,
                                             .interface = -1,
                                             .what = "Maestro"};
@@ -225,7 +225,7 @@ enum hal_status linux_maestro_open(struct linux_maestro *maestro, const char *se
     const enum hal_status opened = linux_usb_open(&maestro->own_usb, &wanted);
     status = status == HAL_OK ? opened : status;
     for (unsigned i = 0; i < 4U; i++) {
-        if (maestro->own_usb.identity.product == products[i]) {
+        if (maestro->own_usb.identity.product == models[i].product) {
             maestro->channel_count = channels_of[i];
         }
     }

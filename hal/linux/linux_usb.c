@@ -243,10 +243,11 @@ static const struct hal_usb_ops ops = {linux_usb_identity, linux_usb_submit, lin
 static bool is_wanted(const struct linux_usb_wanted *wanted,
                       const struct libusb_device_descriptor *about) {
     bool found = false;
-    for (unsigned i = 0; i < wanted->product_count; i++) {
-        found = found || about->idProduct == wanted->products[i];
+    for (unsigned i = 0; i < wanted->id_count; i++) {
+        found = found || (about->idVendor == wanted->ids[i].vendor &&
+                          about->idProduct == wanted->ids[i].product);
     }
-    return found && about->idVendor == wanted->vendor;
+    return found;
 }
 
 static void read_identity(struct libusb_device_handle *device,
@@ -292,6 +293,25 @@ static int open_device(struct linux_usb *usb, const struct linux_usb_wanted *wan
         libusb_free_device_list(list, 1);
     }
     return result;
+}
+
+static void find_endpoints(struct linux_usb *usb) {
+    struct libusb_config_descriptor *config = NULL;
+    if (libusb_get_active_config_descriptor(libusb_get_device(usb->device), &config) != 0) {
+        return;
+    }
+    for (unsigned i = 0; i < config->bNumInterfaces; i++) {
+        const struct libusb_interface_descriptor *at = &config->interface[i].altsetting[0];
+        for (unsigned k = 0; at->bInterfaceNumber == usb->claimed && k < at->bNumEndpoints; k++) {
+            const struct libusb_endpoint_descriptor *endpoint = &at->endpoint[k];
+            const bool in = (endpoint->bEndpointAddress & HAL_USB_IN) != 0U;
+            uint8_t *found = in ? &usb->bulk_in : &usb->bulk_out;
+            if ((endpoint->bmAttributes & 3U) == LIBUSB_TRANSFER_TYPE_BULK && *found == 0U) {
+                *found = endpoint->bEndpointAddress;
+            }
+        }
+    }
+    libusb_free_config_descriptor(config);
 }
 
 /// The file that libusb has opened for the device: the one it polls now and did not before.
@@ -341,8 +361,8 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
     memset(usb, 0, sizeof *usb);
     usb->gone = true;
     usb->claimed = usb->fd = -1;
-    snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, wanted->vendor,
-             wanted->products[0]);
+    snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, wanted->ids[0].vendor,
+             wanted->ids[0].product);
     libusb_context *context = NULL;
     int code =
         hal_usb_bind(&usb->hal, &ops, usb) == HAL_OK ? libusb_init(&context) : LIBUSB_ERROR_OTHER;
@@ -354,6 +374,7 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
         (void)libusb_set_auto_detach_kernel_driver(usb->device, 1);
         code = libusb_claim_interface(usb->device, wanted->interface);
         usb->claimed = code == 0 ? wanted->interface : -1;
+        find_endpoints(usb);
     }
     if (code == 0 && !allocate(usb)) {
         code = LIBUSB_ERROR_NO_MEM;

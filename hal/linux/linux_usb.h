@@ -20,6 +20,8 @@ struct linux_usb {
     struct hal_usb hal;
     /// Why the last call failed.
     struct linux_error error;
+    /// The first bulk endpoints of the interface that was claimed; 0: none.
+    uint8_t bulk_in, bulk_out;
 
     // Private from here on.
     void *context; ///< libusb's
@@ -35,11 +37,14 @@ struct linux_usb {
     uint32_t submitted;
 };
 
+struct linux_usb_id {
+    uint16_t vendor, product;
+};
+
 /// Which device is wanted.
 struct linux_usb_wanted {
-    uint16_t vendor;
-    const uint16_t *products; ///< product_count of them; the first one found is taken
-    unsigned product_count;
+    const struct linux_usb_id *ids; ///< id_count of them; the first device found is taken
+    unsigned id_count;
     const char *serial_number; ///< null: any
     int interface;             ///< to claim, from a kernel driver if need be; -1: none
     const char *what;          ///< for messages: "Maestro"

@@ -1,6 +1,7 @@
 /// The SocketCAN driver on an adapter that can break: a two-channel gs_usb (candleLight) device,
 /// emulated below the kernel's USB stack, with its channels on one bus. Bus-off, restart, a bus
 /// that carries nothing, unplugging: by the kernel's own gs_usb driver.
+#include "contract/support/candle_model.h"
 #include "contract/support/contract.h"
 #include "linux/linux_can.h"
 #include "linux/linux_clock.h"
@@ -13,109 +14,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FRAME_BYTES 20
-#define QUEUE_MAX   512U
-#define FROM_BUS    "\xff\xff\xff\xff"
-
-// ---------------------------------------------------------------- the adapter, in a child process
-
-struct queue {
-    unsigned first, count;
-    uint8_t frame[QUEUE_MAX][FRAME_BYTES];
-};
-
-struct adapter {
-    volatile bool carries;        ///< by the test: the bus runs
-    volatile bool bus_off_wanted; ///< by the test: channel 0 loses the bus
-    volatile unsigned taken;      ///< frames from the host
-    volatile bool started[2], off[2];
-    struct queue held; ///< on their way to the bus
-    struct queue in;   ///< to the host
-};
-
-static void put(struct queue *queue, const uint8_t *frame) {
-    if (queue->count < QUEUE_MAX) {
-        memcpy(queue->frame[(queue->first + queue->count) % QUEUE_MAX], frame, FRAME_BYTES);
-        queue->count++;
-    }
-}
-
-static void take(struct queue *queue, uint8_t *frame) {
-    memcpy(frame, queue->frame[queue->first], FRAME_BYTES);
-    queue->first = (queue->first + 1U) % QUEUE_MAX;
-    queue->count--;
-}
-
-static int control(void *ctx, const uint8_t setup[8], uint8_t *data, uint16_t size) {
-    static const uint8_t config[12] = {0, 0, 0, 1, 2, 0, 0, 0, 1}; // two channels
-    static const uint32_t timing[10] = {0, 48000000, 1, 16, 1, 8, 4, 1, 1024, 1};
-    struct adapter *adapter = ctx;
-    (void)size;
-    if (setup[0] == 0xC1 && setup[1] == 5) {
-        memcpy(data, config, sizeof config);
-        return sizeof config;
-    }
-    if (setup[0] == 0xC1 && setup[1] == 4) {
-        memcpy(data, timing, sizeof timing); // little endian, as this machine is
-        return sizeof timing;
-    }
-    if (setup[0] == 0x41 && setup[1] == 2 && setup[2] < 2U) {
-        adapter->started[setup[2]] = data[0] == 1U;
-        adapter->off[setup[2]] = false;
-    }
-    return setup[0] == 0x41 ? 0 : USB_MODEL_STALL;
-}
-
-static int bulk_out(void *ctx, uint8_t endpoint, const uint8_t *data, uint32_t size) {
-    struct adapter *adapter = ctx;
-    if (endpoint == 2U && size >= FRAME_BYTES && !adapter->off[data[9] & 1U]) {
-        put(&adapter->held, data);
-    }
-    adapter->taken++;
-    return (int)size;
-}
-
-/// Off the bus, with what it had to send. The kernel is told by an error frame.
-static void lose_the_bus(struct adapter *adapter) {
-    static const uint8_t error[FRAME_BYTES] = {0xFF, 0xFF, 0xFF, 0xFF, 0x40, 0, 0, 0x20, 8, 0};
-    adapter->bus_off_wanted = false;
-    adapter->off[0] = true;
-    for (unsigned left = adapter->held.count; left > 0U; left--) {
-        uint8_t frame[FRAME_BYTES];
-        take(&adapter->held, frame);
-        if (frame[9] != 0U) {
-            put(&adapter->held, frame);
-        }
-    }
-    put(&adapter->in, error);
-}
-
-static int bulk_in(void *ctx, uint8_t endpoint, uint8_t *data, uint32_t capacity) {
-    struct adapter *adapter = ctx;
-    if (adapter->bus_off_wanted) {
-        lose_the_bus(adapter);
-    }
-    while (adapter->carries && adapter->held.count > 0U) {
-        uint8_t frame[FRAME_BYTES];
-        take(&adapter->held, frame);
-        put(&adapter->in, frame); // the echo: it has been sent
-        const unsigned other = frame[9] ^ 1U;
-        if (adapter->started[other] && !adapter->off[other]) {
-            memcpy(frame, FROM_BUS, 4);
-            frame[9] = (uint8_t)other;
-            put(&adapter->in, frame);
-        }
-    }
-    if (endpoint != 1U || capacity < FRAME_BYTES || adapter->in.count == 0U) {
-        return USB_MODEL_LATER;
-    }
-    take(&adapter->in, data);
-    return FRAME_BYTES;
-}
-
 // ---------------------------------------------------------------- plugging
 
-static struct adapter *adapter;
+static struct candle_bus *bus;
+static struct candle adapter; ///< its copy in a child process serves
 static struct usb_port port;
 static struct linux_clock clock_;
 static struct linux_can a, b;
@@ -133,20 +35,16 @@ static bool find_names(void) {
 }
 
 static void plug(void) {
-    static const uint8_t device[18] = {18,   1,    0,    2, 0, 0, 0, 64, 0x50,
-                                       0x1D, 0x6F, 0x60, 0, 0, 1, 2, 3,  1};
-    static const uint8_t configuration[32] = {9,  2, 32, 0,    1,    1,    0, 0x80, 50, 9,    4,
-                                              0,  0, 2,  0xFF, 0xFF, 0xFF, 0, 7,    5,  0x81, 2,
-                                              64, 0, 0,  7,    5,    0x02, 2, 64,   0,  0};
-    const struct usb_model model = {.device = device,
-                                    .configuration = configuration,
+    adapter = (struct candle){.bus = bus, .channel_count = 2};
+    const struct usb_model model = {.device = candle_device,
+                                    .configuration = candle_configuration,
                                     .strings = {"emulated", "gs_usb", "0001"},
                                     .speed = USB_FULL_SPEED,
-                                    .ctx = adapter,
-                                    .control = control,
-                                    .bulk_out = bulk_out,
-                                    .bulk_in = bulk_in};
-    memset(adapter, 0, sizeof *adapter);
+                                    .ctx = &adapter,
+                                    .control = candle_control,
+                                    .bulk_out = candle_bulk_out,
+                                    .bulk_in = candle_bulk_in};
+    memset(bus, 0, sizeof *bus);
     usb_port_plug(&port, 1, &model);
     int tries = 1000;
     while (tries > 0 && !find_names()) {
@@ -167,12 +65,13 @@ static void open_both(void) {
 /// The bus carries until nothing has moved for a while.
 static void settle(void) {
     unsigned before;
-    adapter->carries = true;
+    bus->carries = true;
     do {
-        before = adapter->taken;
+        before = bus->node[0].taken + bus->node[1].taken;
         usleep(60000);
-    } while (adapter->taken != before || adapter->held.count > 0U || adapter->in.count > 0U);
-    adapter->carries = false;
+    } while (bus->node[0].taken + bus->node[1].taken != before || bus->held_count > 0U ||
+             bus->node[0].waiting + bus->node[1].waiting > 0U);
+    bus->carries = false;
 }
 
 static struct can_frame numbered(uint32_t number) {
@@ -249,7 +148,7 @@ static void bus_off_and_restart(void) {
         settle();
         CHECK_EQ(send(&a, 2), HAL_OK); // waits, and is lost with the bus
         usleep(50000);
-        adapter->bus_off_wanted = true;
+        bus->node[0].bus_off_wanted = true;
         usleep(200000);
         CHECK_EQ(state_of(&a).health, HAL_CAN_OFF);
         CHECK_EQ(state_of(&a).transmit_error_count, 256);
@@ -302,7 +201,7 @@ static void unplugged_and_back(void) {
 int main(void) {
     linux_clock_open(&clock_, 0);
     a.fd = b.fd = a.error_fd = b.error_fd = -1;
-    adapter = usb_port_share(sizeof *adapter);
+    bus = usb_port_share(sizeof *bus);
     plug();
     open_both();
     CONTRACT("gs_usb", frames_cross);

@@ -14,10 +14,9 @@
 static struct linux_usb usb;
 static struct maestro_model *model;
 static struct usb_port port;
-static const uint16_t product = 0x0089;
-static const struct linux_usb_wanted wanted = {.vendor = 0x1FFB,
-                                               .products = &product,
-                                               .product_count = 1,
+static const struct linux_usb_id micro = {0x1FFB, 0x0089};
+static const struct linux_usb_wanted wanted = {.ids = &micro,
+                                               .id_count = 1,
                                                .serial_number = MAESTRO_MODEL_SERIAL,
                                                .interface = 0,
                                                .what = "Maestro"};
@@ -70,13 +69,13 @@ static void unplug(void *context) {
 static void refusals_say_what_to_do(void) {
     reset(NULL);
     struct linux_usb other;
-    const uint16_t absent = 0x0001;
+    const struct linux_usb_id absent = {0x1FFB, 0x0001};
     struct linux_usb_wanted strange = wanted;
     CHECK_EQ(linux_usb_open(&other, &wanted), HAL_ERROR_DENIED);
     CHECK(strcmp(other.error.line,
                  "Maestro 1ffb:0089: in use by another program; end that one first") == 0);
     linux_usb_close(&other);
-    strange.products = &absent;
+    strange.ids = &absent;
     CHECK_EQ(linux_usb_open(&other, &strange), HAL_ERROR_GONE);
     CHECK(strcmp(other.error.line, "Maestro 1ffb:0001: no such USB device; is it plugged in? "
                                    "`boresight probe` lists what is there") == 0);
