@@ -8,19 +8,7 @@
 /// What is forbidden is either a direction (the line through two points, a segment), or all
 /// directions of a plane: a great circle of the sphere of directions, given by its normal.
 ///
-/// | problem             | an item is     | two coincide, or ... when projected along z (2-D: y) |
-/// |---------------------|----------------|------------------------------------------------------------|
-/// | POINTS2_LINE        | a point, z = 0 | two points have the same x | | POINTS3_LINE        | a
-/// point        | two points have the same x and y                           | | POINTS3_X | a
-/// point        | two points have the same x (projected ONTO the x axis)     | | POINTS3_XY, _XYZ
-/// | a point        | two points have the same x, or the same y (, or z)         | | POINTS3_PLANE
-/// | a point        | two points coincide, or three lie on one line              | |
-/// POINTS3_COCIRCULAR  | a point        | two points coincide, or four lie on one circle | |
-/// SEGMENTS2_VERTICAL  | two points     | a segment becomes a point | | SEGMENTS3_VERTICAL  | two
-/// points     | a segment becomes a point                                  | | SEGMENTS3_PLANE |
-/// two points     | a segment becomes a point, or two lie on one line          | | FACES_VERTICAL
-/// | three points   | a face becomes a line                                      | Source: Gomez,
-/// Ramaswami, Toussaint 1996, as corrected in docs/regular.md.
+/// Source: Gomez, Ramaswami, Toussaint 1996, as corrected in docs/regular.md.
 #ifndef REGULAR_REGULAR_H
 #define REGULAR_REGULAR_H
 
@@ -34,19 +22,21 @@
 /// Coordinates are within +-2^20: differences have 21 bits, normals of planes 43.
 #define REGULAR_COORDINATE_MAX (INT32_C(1) << 20)
 
+/// The conflicts of each, when projected along z, in the plane along y. An item is a point, of
+/// SEGMENTS two points, of FACES three.
 enum regular_problem {
-    REGULAR_POINTS2_LINE,
-    REGULAR_POINTS3_LINE,
-    REGULAR_POINTS3_X,
-    REGULAR_POINTS3_XY,
-    REGULAR_POINTS3_XYZ,
-    REGULAR_POINTS3_PLANE,
-    REGULAR_POINTS3_COCIRCULAR,
-    REGULAR_SEGMENTS2_VERTICAL,
-    REGULAR_SEGMENTS3_VERTICAL,
-    REGULAR_SEGMENTS3_PLANE,
-    REGULAR_FACES_VERTICAL,
-    REGULAR_PROBLEMS ///< how many there are
+    REGULAR_POINTS2_LINE,       ///< two points have the same x; z is 0
+    REGULAR_POINTS3_LINE,       ///< two points have the same x and y
+    REGULAR_POINTS3_X,          ///< two points have the same x: projected ONTO the x axis
+    REGULAR_POINTS3_XY,         ///< two points have the same x, or the same y
+    REGULAR_POINTS3_XYZ,        ///< the same x, or y, or z
+    REGULAR_POINTS3_PLANE,      ///< two points coincide, or three lie on one line
+    REGULAR_POINTS3_COCIRCULAR, ///< two points coincide, or four lie on one circle
+    REGULAR_SEGMENTS2_VERTICAL, ///< a segment becomes a point; z is 0
+    REGULAR_SEGMENTS3_VERTICAL, ///< a segment becomes a point
+    REGULAR_SEGMENTS3_PLANE,    ///< a segment becomes a point, or two lie on one line
+    REGULAR_FACES_VERTICAL,     ///< a face becomes a line
+    REGULAR_PROBLEMS            ///< how many there are
 };
 
 enum regular_status {
