@@ -88,7 +88,8 @@ struct fine {
 };
 
 static struct fine fine_of(const int32_t c[3]) {
-    return (struct fine){{(int64_t)c[0] << 20, (int64_t)c[1] << 20, (int64_t)c[2] << 20}};
+    const int64_t unit = 1 << 20;
+    return (struct fine){{c[0] * unit, c[1] * unit, c[2] * unit}};
 }
 
 static struct fine fine_at(const double metres[3]) {
