@@ -175,8 +175,7 @@ static uint64_t count_points(const struct tree *tree) {
 
 static void print_half_angle(struct facts *facts, const struct cone_result *cone) {
     const char *const why = "the half-angle is not below 90 degrees";
-    const uint128 whole = (uint128)cone->half_angle_turn64 * (360U * (uint128)MEASURE_DEGREE);
-    const uint64_t pdeg = (uint64_t)(whole >> 64) + ((uint64_t)whole != 0U ? 1U : 0U);
+    const uint64_t pdeg = measure_pdeg(cone->half_angle_turn64);
     facts_trillionths(facts, "half_angle_deg", pdeg);
     facts_u64(facts, "half_angle_bam32", cone->half_angle_bam32.bam);
     if (pdeg < 90U * MEASURE_DEGREE) {

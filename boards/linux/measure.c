@@ -95,6 +95,11 @@ struct measured_cone measure_cone(struct vec3 axis_q30, const struct points *poi
     return cone;
 }
 
+uint64_t measure_pdeg(uint64_t angle_turn64) {
+    const uint128 whole = (uint128)angle_turn64 * (360U * (uint128)MEASURE_DEGREE);
+    return (uint64_t)(whole >> 64) + ((uint64_t)whole != 0U ? 1U : 0U);
+}
+
 static long double rad_from_pdeg(uint64_t angle_pdeg) {
     return (long double)angle_pdeg / MEASURE_DEGREE / deg_per_rad;
 }

@@ -24,6 +24,9 @@ struct measured_cone {
 /// Cost: about 0.2 us a point. Shown: tests/cli/stars.c, tests/cli/cones.c.
 struct measured_cone measure_cone(struct vec3 axis_q30, const struct points *points);
 
+/// An angle in units of 2^64 a turn, rounded up.
+uint64_t measure_pdeg(uint64_t angle_turn64);
+
 /// tan and 1/cos of an angle below 90 degrees, to the last digits of a double.
 double measure_tangent(uint64_t angle_pdeg);
 double measure_secant(uint64_t angle_pdeg);

@@ -158,8 +158,8 @@ static bool read_radec(struct place place, const struct points_word *columns,
     return true;
 }
 
-/// Room for one more point. False: no memory.
-static bool grow(struct points *points, bool named) {
+/// Room for one more point, with a name or a line's number. False: no memory.
+static bool grow(struct points *points, bool named, bool lined) {
     if (points->count < points->room) {
         return true;
     }
@@ -173,7 +173,10 @@ static bool grow(struct points *points, bool named) {
     points->fine = fine != NULL ? fine : points->fine;
     void *const names = named ? realloc(points->names, room * sizeof *points->names) : NULL;
     points->names = names != NULL ? names : points->names;
-    if (directions == NULL || fine == NULL || (named && names == NULL)) {
+    void *const lines = lined ? realloc(points->lines, room * sizeof *points->lines) : NULL;
+    points->lines = lines != NULL ? lines : points->lines;
+    if (directions == NULL || fine == NULL || (named && names == NULL) ||
+        (lined && lines == NULL)) {
         return false;
     }
     points->room = room;
@@ -249,7 +252,7 @@ static enum exit_status add_point(struct place place, const struct points_word *
     if (!read_columns(place, columns + first, format, &direction)) {
         return EXIT_STATUS_USAGE;
     }
-    if (!grow(out, format->named) || (format->named && !add_name(out, columns[0])) ||
+    if (!grow(out, format->named, format->places) || (format->named && !add_name(out, columns[0])) ||
         (format->places && format->input == POINTS_XYZ && !add_place(out, columns + first))) {
         message_at(place.file, place.line, "no memory for more than %lu points",
                    (unsigned long)out->count);
@@ -258,6 +261,9 @@ static enum exit_status add_point(struct place place, const struct points_word *
     out->directions[out->count] = direction.coarse;
     out->fine[out->count] = direction.fine;
     out->fine_exact = out->fine_exact && direction.fine_exact;
+    if (format->places) {
+        out->lines[out->count] = (uint32_t)place.line;
+    }
     out->count++;
     return EXIT_STATUS_OK;
 }
@@ -317,7 +323,7 @@ static enum exit_status read_all(struct lines *lines, const struct points_format
 }
 
 bool points_add_place(struct points *points, const struct points_word word[3]) {
-    if (!grow(points, false) || !add_place(points, word)) {
+    if (!grow(points, false, false) || !add_place(points, word)) {
         return false;
     }
     points->count++;
@@ -350,6 +356,7 @@ const char *points_name(const struct points *points, uint32_t index) {
 void points_free(struct points *points) {
     free(points->directions);
     free(points->fine);
+    free(points->lines);
     free(points->names);
     free(points->name_text);
     free(points->place_text);

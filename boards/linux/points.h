@@ -30,6 +30,7 @@ struct points {
     /// What the solvers take: directions, or with format.places the points in units of `unit`.
     struct vec3 *directions;
     struct vec3_i64 *fine;      ///< the same directions for measuring (direction.h)
+    uint32_t *lines;            ///< of places: the line each stands in
     size_t *names;              ///< where each name starts in name_text; NULL unless named
     char *name_text;            ///< the names, each ending with a NUL
     bool fine_exact;            ///< of all points
