@@ -1,11 +1,7 @@
 /// `boresight plan`: where to mount the camera.
 #include "command.h"
-#include "facts.h"
-#include "measure.h"
-#include "plan.h"
-#include "point_options.h"
+#include "plan_report.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,15 +46,11 @@ static const struct option options[] = {
 
 struct work {
     const struct settings *settings;
-    struct points targets, mounts;
     struct rig rig;
-    bool has_rig;
     struct plan plan;
     struct plan_region region;
     char *words; ///< of proposals
-    struct plan_view *views;
-    uint32_t *order; ///< of views, the best first
-    uint32_t count;
+    struct plan_ranking ranking;
 };
 
 static const char *name_of_file(const char *file) {
@@ -106,6 +98,7 @@ static bool read_settings(struct work *work) {
         message_command("plan", "--count: at most 100");
         return false;
     }
+    work->ranking.proposed = s->mounts == NULL;
     work->region.count = s->count == 0U ? 5U : (uint32_t)s->count;
     return (s->size == NULL || read_size(s->size, &work->plan.camera)) &&
            (s->unit_cm == NULL ||
@@ -120,7 +113,7 @@ static enum exit_status read_rig(struct work *work) {
         return EXIT_STATUS_OK;
     }
     const enum exit_status status = rig_read(work->settings->rig, 0, &work->rig);
-    work->has_rig = true;
+
     if (status == EXIT_STATUS_OK) {
         work->plan.camera.rig = &work->rig;
         mount_init(&work->plan.camera.mount, work->rig.controller.attitude);
@@ -128,21 +121,25 @@ static enum exit_status read_rig(struct work *work) {
     return status;
 }
 
-static enum exit_status read_targets(struct work *work, const char *file) {
+static enum exit_status read_places(const struct work *work, const char *file, struct points *out) {
     const struct points_format format = {
         .input = POINTS_XYZ, .named = work->settings->named, .places = true};
-    const enum exit_status status = points_read(file, &format, &work->targets);
+    return points_read(file, &format, out);
+}
+
+static enum exit_status read_targets(struct work *work, const char *file) {
+    const enum exit_status status = read_places(work, file, &work->ranking.targets);
     if (status != EXIT_STATUS_OK) {
         return status;
     }
     const uint32_t most = work->plan.planes ? PLAN_TARGETS_MAX : PLAN_TARGETS_LINES_MAX;
-    if (work->targets.count == 0U) {
+    if (work->ranking.targets.count == 0U) {
         message_at(name_of_file(file), 0, "no points");
         return EXIT_STATUS_USAGE;
     }
-    if (work->targets.count > most) {
+    if (work->ranking.targets.count > most) {
         message_at(name_of_file(file), 0, "%lu targets; at most %lu%s",
-                   (unsigned long)work->targets.count, (unsigned long)most,
+                   (unsigned long)work->ranking.targets.count, (unsigned long)most,
                    work->plan.planes ? ", or 2000 with --lines" : "");
         return EXIT_STATUS_USAGE;
     }
@@ -151,18 +148,18 @@ static enum exit_status read_targets(struct work *work, const char *file) {
 
 static enum exit_status read_mounts(struct work *work) {
     const char *const file = work->settings->mounts;
-    const struct points_format format = {
-        .input = POINTS_XYZ, .named = work->settings->named, .places = true};
-    const enum exit_status status = points_read(file, &format, &work->mounts);
+    const enum exit_status status = read_places(work, file, &work->ranking.mounts);
     if (status != EXIT_STATUS_OK) {
         return status;
     }
-    if (work->mounts.count == 0U || work->mounts.count > PLAN_MOUNTS_MAX) {
+    if (work->ranking.mounts.count == 0U || work->ranking.mounts.count > PLAN_MOUNTS_MAX) {
         message_at(name_of_file(file), 0,
-                   work->mounts.count == 0U ? "no mounts" : "more than %d mounts", PLAN_MOUNTS_MAX);
+                   work->ranking.mounts.count == 0U ? "no mounts" : "more than %d mounts",
+                   PLAN_MOUNTS_MAX);
         return EXIT_STATUS_USAGE;
     }
-    return plan_set(&work->plan, &work->targets, work->mounts.place_text, work->mounts.count, 0);
+    return plan_set(&work->plan, &work->ranking.targets, work->ranking.mounts.place_text,
+                    work->ranking.mounts.count, 0);
 }
 
 /// Two targets at one place are one: told by their lines.
@@ -170,8 +167,9 @@ static enum exit_status check_targets(const struct work *work, const char *file)
     for (uint32_t i = 0; i < work->plan.target_count; i++) {
         for (uint32_t j = 0; j < i; j++) {
             if (vec3_equal(work->plan.targets[i], work->plan.targets[j])) {
-                message_at(name_of_file(file), work->targets.lines[i],
-                           "the same place as in line %lu%s", (unsigned long)work->targets.lines[j],
+                message_at(name_of_file(file), work->ranking.targets.lines[i],
+                           "the same place as in line %lu%s",
+                           (unsigned long)work->ranking.targets.lines[j],
                            work->plan.exact ? "" : ", to the resolution of the grid");
                 return EXIT_STATUS_USAGE;
             }
@@ -182,7 +180,7 @@ static enum exit_status check_targets(const struct work *work, const char *file)
 
 static enum exit_status propose(struct work *work, const char *file) {
     struct plan *const plan = &work->plan;
-    enum exit_status status = plan_set(plan, &work->targets, NULL, 0, 0);
+    enum exit_status status = plan_set(plan, &work->ranking.targets, NULL, 0, 0);
     if (status == EXIT_STATUS_OK) {
         status = check_targets(work, file);
     }
@@ -198,13 +196,13 @@ static enum exit_status propose(struct work *work, const char *file) {
             work->region.above = fmin(work->region.above, plan->targets[i].z * plan->grid);
         }
     }
-    const uint32_t count = plan_propose(&work->targets, plan, &work->region, &work->words);
+    const uint32_t count = plan_propose(&work->ranking.targets, plan, &work->region, &work->words);
     if (count == UINT32_MAX) {
         message_command("plan", "no memory for proposals");
         return EXIT_STATUS_FAILURE;
     }
     plan_free(plan);
-    return plan_set(plan, &work->targets, work->words, count, 0);
+    return plan_set(plan, &work->ranking.targets, work->words, count, 0);
 }
 
 // ---------------------------------------------------------------- the ranking
@@ -226,179 +224,37 @@ static bool is_better(const struct plan_view *a, const struct plan_view *b, enum
 }
 
 static enum exit_status look_from_all(struct work *work) {
-    const uint32_t count = work->count = work->plan.mount_count;
-    work->views = malloc(((size_t)count + 1U) * sizeof *work->views);
-    work->order = malloc(((size_t)count + 1U) * sizeof *work->order);
-    if (work->views == NULL || work->order == NULL) {
+    const uint32_t count = work->ranking.count = work->plan.mount_count;
+    work->ranking.views = malloc(((size_t)count + 1U) * sizeof *work->ranking.views);
+    work->ranking.order = malloc(((size_t)count + 1U) * sizeof *work->ranking.order);
+    if (work->ranking.views == NULL || work->ranking.order == NULL) {
         message_command("plan", "no memory for %lu mounts", (unsigned long)count);
         return EXIT_STATUS_FAILURE;
     }
     for (uint32_t i = 0; i < count; i++) {
         const enum exit_status status =
-            plan_look(&work->plan, work->plan.mounts[i], &work->views[i]);
+            plan_look(&work->plan, work->plan.mounts[i], &work->ranking.views[i]);
         if (status != EXIT_STATUS_OK) {
             return status;
         }
         uint32_t at = i;
-        for (; at > 0U && is_better(&work->views[i], &work->views[work->order[at - 1U]],
+        for (; at > 0U && is_better(&work->ranking.views[i],
+                                    &work->ranking.views[work->ranking.order[at - 1U]],
                                     (enum rank)work->settings->rank);
              at--) {
-            work->order[at] = work->order[at - 1U];
+            work->ranking.order[at] = work->ranking.order[at - 1U];
         }
-        work->order[at] = i;
+        work->ranking.order[at] = i;
     }
     return EXIT_STATUS_OK;
-}
-
-// ---------------------------------------------------------------- printing
-
-static void print_targets(struct facts *facts, const struct work *work, const char *name,
-                          const uint32_t *targets, uint32_t count) {
-    facts_indices(facts, name, targets, count, point_options_name_of, &work->targets);
-}
-
-/// Cut behind the last place, but for the last digits of a double; infinite: nothing of the kind.
-static void print_margin(struct facts *facts, const char *name, double value, int places) {
-    if (isfinite(value)) {
-        const double scale = pow(10, places);
-        facts_fixed(facts, name, floor(value * scale * (1 + 4 * DBL_EPSILON)) / scale, places);
-    } else {
-        facts_null(facts, name, "nothing is forbidden");
-    }
-}
-
-static const char *why_not(const struct plan_view *view, const struct plan *plan) {
-    return view->at_target < plan->target_count ? "at a target"
-           : view->cone_status != CONE_OK       ? "no direction sees all targets"
-           : !view->reachable                   ? "out of the rig's reach"
-           : view->zoom == PLAN_ZOOM_TOO_WIDE   ? "wider than the lens"
-                                                : NULL;
-}
-
-static void print_px(struct facts *facts, const char *name, double value) {
-    if (isfinite(value)) {
-        facts_fixed(facts, name, value, 3);
-    } else {
-        facts_null(facts, name, "nothing is forbidden");
-    }
-}
-
-static void print_cone(struct facts *facts, const struct work *work, const struct plan_view *view) {
-    static const char *const zooms[] = {"fits", "no margin", "too wide", "small"};
-    if (view->cone_status != CONE_OK) {
-        print_targets(facts, work, "witness", view->cone.witness, view->cone.witness_count);
-        return;
-    }
-    facts_fixed(facts, "pan_deg", view->pan_deg, 9);
-    facts_fixed(facts, "tilt_deg", view->tilt_deg, 9);
-    facts_trillionths(facts, "half_angle_deg", measure_pdeg(view->cone.half_angle_turn64));
-    if (work->has_rig) {
-        facts_bool(facts, "reachable", view->reachable);
-        facts_text(facts, "zoom", zooms[view->zoom]);
-        facts_significant(facts, "focal_mm", view->focal_mm, 9);
-    }
-}
-
-static void print_margins(struct facts *facts, const struct work *work,
-                          const struct plan_view *view) {
-    const struct viewpoint_result *const m = &view->margins;
-    facts_u64(facts, "lines_through", m->line.through);
-    if (isfinite(view->line_cm)) {
-        print_targets(facts, work, "line", m->line.target, 2);
-        facts_reals(facts, "line_at", view->line_foot, 3);
-    }
-    print_margin(facts, "line_cm", view->line_cm, 6);
-    if (work->plan.planes) {
-        facts_u64(facts, "planes_through", m->plane.through);
-        if (isfinite(view->plane_cm)) {
-            print_targets(facts, work, "plane", m->plane.target, 3);
-            facts_reals(facts, "plane_at", view->plane_foot, 3);
-        }
-        print_margin(facts, "plane_cm", view->plane_cm, 6);
-    }
-    print_margin(facts, "margin_cm", view->margin_cm, 6);
-    if (view->cone_status != CONE_OK) {
-        return;
-    }
-    if (isfinite(view->pair_px)) {
-        print_targets(facts, work, "pair", view->pair, 2);
-    }
-    print_px(facts, "pair_px", view->pair_px);
-    if (work->plan.planes) {
-        if (isfinite(view->triple_px)) {
-            print_targets(facts, work, "triple", view->triple, 3);
-        }
-        print_px(facts, "triple_px", view->triple_px);
-    }
-    print_px(facts, "margin_px", view->margin_px);
-}
-
-static void print_view(struct facts *facts, const struct work *work, uint32_t rank) {
-    const uint32_t index = work->order[rank];
-    const struct plan_view *const view = &work->views[index];
-    const char *const name = points_name(&work->mounts, index);
-    const char *const why = why_not(view, &work->plan);
-    if (facts->as_json) {
-        json_begin_object(&facts->json);
-    } else {
-        fputc('\n', facts->stream);
-    }
-    facts_u64(facts, "rank", rank + 1U);
-    facts_u64(facts, "mount", index);
-    if (name != NULL) {
-        facts_text(facts, "name", name);
-    }
-    facts_reals(facts, "at", view->place, 3);
-    facts_bool(facts, "usable", view->usable);
-    if (why != NULL) {
-        facts_text(facts, "why_not", why);
-    }
-    facts_bool(facts, "feasible", view->cone_status == CONE_OK);
-    if (view->at_target < work->plan.target_count) {
-        print_targets(facts, work, "target", &view->at_target, 1);
-    } else {
-        print_cone(facts, work, view);
-        print_margins(facts, work, view);
-    }
-    if (facts->as_json) {
-        json_end_object(&facts->json);
-    }
-}
-
-static void print_all(const struct work *work, const struct plan_sphere *sphere) {
-    const struct viewpoint_result *const any = work->count == 0U ? NULL : &work->views[0].margins;
-    struct facts facts;
-    facts_begin(&facts, stdout, work->settings->json);
-    facts_u64(&facts, "targets", work->plan.target_count);
-    facts_u64(&facts, "mounts", work->count);
-    facts_bool(&facts, "proposed", work->settings->mounts == NULL);
-    facts_bool(&facts, "exact", work->plan.exact);
-    if (any != NULL && any->collinear != 0U) {
-        facts_u64(&facts, "collinear_triples", any->collinear);
-        print_targets(&facts, work, "collinear", any->collinear_first, 3);
-    }
-    if (sphere->radius > 0) {
-        print_margin(&facts, "tolerance_deg", sphere->tolerance_rad * MEASURE_DEG_PER_RAD, 6);
-    }
-    if (work->settings->json) {
-        json_key(&facts.json, "ranking");
-        json_begin_array(&facts.json);
-    }
-    for (uint32_t rank = 0; rank < work->count; rank++) {
-        print_view(&facts, work, rank);
-    }
-    if (work->settings->json) {
-        json_end_array(&facts.json);
-    }
-    facts_end(&facts);
 }
 
 // ---------------------------------------------------------------- the whole
 
 static enum exit_status draw(const struct work *work, const struct plan_sphere *sphere) {
-    const uint32_t best = work->order[0];
-    const double *const p = work->views[best].place;
-    const char *const name = points_name(&work->mounts, best);
+    const uint32_t best = work->ranking.order[0];
+    const double *const p = work->ranking.views[best].place;
+    const char *const name = points_name(&work->ranking.mounts, best);
     char title[200];
     if (!(sphere->radius > 0)) {
         message_command("plan", "no picture: the mount is in the centre of the targets");
@@ -413,17 +269,19 @@ static enum exit_status draw(const struct work *work, const struct plan_sphere *
 static enum exit_status finish(const struct work *work) {
     struct plan_sphere sphere = {0};
     enum exit_status status = EXIT_STATUS_OK;
-    if (work->count != 0U && !plan_sphere_set(&sphere, &work->plan, &work->views[work->order[0]])) {
+    if (work->ranking.count != 0U &&
+        !plan_sphere_set(&sphere, &work->plan, &work->ranking.views[work->ranking.order[0]])) {
         message_command("plan", "no memory for the sphere of %lu targets",
                         (unsigned long)work->plan.target_count);
         status = EXIT_STATUS_FAILURE;
     }
-    if (status == EXIT_STATUS_OK && work->settings->picture != NULL && work->count != 0U) {
+    if (status == EXIT_STATUS_OK && work->settings->picture != NULL && work->ranking.count != 0U) {
         status = draw(work, &sphere);
     }
     if (status == EXIT_STATUS_OK) {
-        print_all(work, &sphere);
-        const bool any = work->count != 0U && work->views[work->order[0]].usable;
+        plan_report(&work->ranking, &work->plan, &sphere, work->settings->json);
+        const bool any =
+            work->ranking.count != 0U && work->ranking.views[work->ranking.order[0]].usable;
         status = any ? EXIT_STATUS_OK : EXIT_STATUS_INFEASIBLE;
     }
     plan_sphere_free(&sphere);
@@ -458,15 +316,13 @@ static enum exit_status run(const struct command *command, int argc, char *const
         return EXIT_STATUS_USAGE;
     }
     const enum exit_status status = run_work(&work, file);
-    if (work.has_rig) {
-        rig_free(&work.rig);
-    }
-    free(work.views);
-    free(work.order);
+    rig_free(&work.rig);
+    free(work.ranking.views);
+    free(work.ranking.order);
     free(work.words);
     plan_free(&work.plan);
-    points_free(&work.targets);
-    points_free(&work.mounts);
+    points_free(&work.ranking.targets);
+    points_free(&work.ranking.mounts);
     return status;
 }
 

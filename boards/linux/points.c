@@ -252,7 +252,8 @@ static enum exit_status add_point(struct place place, const struct points_word *
     if (!read_columns(place, columns + first, format, &direction)) {
         return EXIT_STATUS_USAGE;
     }
-    if (!grow(out, format->named, format->places) || (format->named && !add_name(out, columns[0])) ||
+    if (!grow(out, format->named, format->places) ||
+        (format->named && !add_name(out, columns[0])) ||
         (format->places && format->input == POINTS_XYZ && !add_place(out, columns + first))) {
         message_at(place.file, place.line, "no memory for more than %lu points",
                    (unsigned long)out->count);
