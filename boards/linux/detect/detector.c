@@ -180,7 +180,7 @@ void detector_frame(struct detector *detector, const struct hal_camera_luma *fra
     detector->any_frame = true;
     detector->last_us = at_us;
     if (detector->tags != NULL) {
-        tags_find(detector->tags, frame, out);
+        tags_find(detector->tags, frame, sight->model, out);
     }
     if (detector->settings.wanted[DETECTION_MARKER]) {
         find_markers(detector, frame, elapsed_s, sight, out);

@@ -13,7 +13,7 @@ struct markers_settings markers_defaults(uint32_t height_px) {
                                      .area_px_min = 6,
                                      .diameter_px_max = height_px / 2.0,
                                      .elongation_max = 2.5,
-                                     .fill_min = 0.82};
+                                     .form_min = 0.8};
 }
 
 bool markers_create(struct markers_work *work) {
@@ -115,6 +115,24 @@ static struct levels measure_levels(const struct hal_camera_luma *frame,
                            around_count};
 }
 
+/// What the spot and the ellipse through its moments have in common, by what either has: 1 for an
+/// ellipse, 0.87 for a square, 0.75 for an L.
+static double overlap(const struct hal_camera_luma *frame, const struct component *spot,
+                      uint8_t threshold, const double middle[2]) {
+    const struct patch patch = patch_around(spot, 1, frame);
+    const struct ellipse ellipse = ellipse_of(spot, middle, 0.0);
+    uint32_t both = 0, either = 0;
+    for (int v = patch.top; v < patch.bottom; v++) {
+        const uint8_t *row = frame->luma + (size_t)v * frame->stride_bytes;
+        for (int u = patch.left; u < patch.right; u++) {
+            const bool bright = row[u] >= threshold, in = inside(&ellipse, u, v);
+            both += bright && in;
+            either += bright || in;
+        }
+    }
+    return (double)both / either;
+}
+
 /// Centroid of what is brighter than the surroundings, near the spot. The lowest 15 % of the
 /// contrast count as nothing, so that the noise and texture around it don't pull.
 static bool centroid(const struct hal_camera_luma *frame, const struct component *spot,
@@ -148,15 +166,18 @@ static bool centroid(const struct hal_camera_luma *frame, const struct component
 static bool judge(const struct markers_settings *settings, const struct hal_camera_luma *frame,
                   const struct component *spot, uint8_t threshold, struct marker *marker) {
     const struct component_shape shape = component_shape_of(spot);
-    // A spot of a few pixels is made of corners: its fill says little.
-    const double fill_min = settings->fill_min - 1.0 / spot->area_px;
     if (spot->left == 0U || spot->top == 0U || spot->right + 1U >= frame->width_px ||
-        spot->bottom + 1U >= frame->height_px || shape.fill < fill_min ||
+        spot->bottom + 1U >= frame->height_px ||
         shape.long_axis_px > settings->elongation_max * shape.short_axis_px ||
         2.0 * shape.long_axis_px > settings->diameter_px_max) {
         return false;
     }
     double middle[2] = {shape.middle[0], shape.middle[1]};
+    // A spot of a few pixels is made of corners: its outline says little.
+    const double form = overlap(frame, spot, threshold, middle) + 0.6 / sqrt(spot->area_px);
+    if (form < settings->form_min) {
+        return false;
+    }
     const struct levels levels = measure_levels(frame, spot, middle);
     if (levels.around_count == 0U || levels.inner < levels.around + settings->contrast_min ||
         threshold < levels.around + (levels.inner - levels.around) / 4 ||
@@ -167,7 +188,7 @@ static bool judge(const struct markers_settings *settings, const struct hal_came
     *marker = (struct marker){.pixel = {middle[0], middle[1]},
                               .radius_px = shape.long_axis_px,
                               .box_px = {spot->left, spot->top, spot->right, spot->bottom},
-                              .confidence = fmin(1.0, contrast) * fmin(1.0, shape.fill)};
+                              .confidence = fmin(1.0, contrast) * fmin(1.0, form)};
     return true;
 }
 

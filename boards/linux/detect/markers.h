@@ -20,11 +20,11 @@ struct markers_settings {
     uint32_t area_px_min;   ///< of the spot at its threshold
     double diameter_px_max; ///< of its longer axis
     double elongation_max;  ///< longer axis by shorter
-    double fill_min;        ///< see struct component_shape
+    double form_min; ///< how well an ellipse fits: 1 for one, 0.87 for a square, 0.75 for an L
 };
 
 /// 40 levels, from 6 pixels of area to half of the picture's height, at most 2.5 times as long as
-/// wide, filled to 82 %.
+/// wide, fitted by an ellipse to 80 %.
 struct markers_settings markers_defaults(uint32_t height_px);
 
 enum { MARKERS_MAX = 64 };

@@ -43,6 +43,10 @@ const char *tags_missing(void) {
     return NULL;
 }
 
+const char *tags_library(void) {
+    return "libapriltag";
+}
+
 static const struct family *family_named(const char *name) {
     for (size_t i = 0; i < sizeof families / sizeof *families; i++) {
         if (strcmp(families[i].name, name) == 0) {
@@ -111,6 +115,25 @@ static struct detection detection_of(const apriltag_detection_t *found) {
     return detection;
 }
 
+/// Where the diagonals of the corners meet in space, as the lens shows it.
+static bool middle_of(const struct camera_model *model, struct detection *detection) {
+    double at[4][2]; // tangents to the right and up
+    for (unsigned i = 0; i < 4U; i++) {
+        double ray[3];
+        if (!camera_model_ray(model, detection->corner[i], ray)) {
+            return false;
+        }
+        at[i][0] = ray[0] / ray[1];
+        at[i][1] = ray[2] / ray[1];
+    }
+    const double a[2] = {at[2][0] - at[0][0], at[2][1] - at[0][1]};
+    const double b[2] = {at[3][0] - at[1][0], at[3][1] - at[1][1]};
+    const double det = a[0] * b[1] - a[1] * b[0];
+    const double part = ((at[1][0] - at[0][0]) * b[1] - (at[1][1] - at[0][1]) * b[0]) / det;
+    const double middle[3] = {at[0][0] + part * a[0], 1.0, at[0][1] + part * a[1]};
+    return isfinite(part) && camera_model_project(model, middle, detection->pixel);
+}
+
 static void append(struct detections *out, const struct detection *detection) {
     for (uint32_t i = 0; i < out->count; i++) {
         struct detection *other = &out->item[i];
@@ -128,7 +151,8 @@ static void append(struct detections *out, const struct detection *detection) {
     }
 }
 
-void tags_find(struct tags *tags, const struct hal_camera_luma *frame, struct detections *out) {
+void tags_find(struct tags *tags, const struct hal_camera_luma *frame,
+               const struct camera_model *model, struct detections *out) {
     image_u8_t picture = {.width = (int32_t)frame->width_px,
                           .height = (int32_t)frame->height_px,
                           .stride = (int32_t)frame->stride_bytes,
@@ -137,7 +161,10 @@ void tags_find(struct tags *tags, const struct hal_camera_luma *frame, struct de
     for (int i = 0; i < zarray_size(found); i++) {
         apriltag_detection_t *item;
         zarray_get(found, i, &item);
-        const struct detection detection = detection_of(item);
+        struct detection detection = detection_of(item);
+        if (model != NULL) {
+            (void)middle_of(model, &detection); // else it stays where the library has it
+        }
         append(out, &detection);
     }
     apriltag_detections_destroy(found);

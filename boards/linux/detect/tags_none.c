@@ -7,6 +7,10 @@ const char *tags_missing(void) {
     return "this program was built without libapriltag: install libapriltag-dev and build it again";
 }
 
+const char *tags_library(void) {
+    return NULL;
+}
+
 bool tags_family_known(const char *family) {
     (void)family;
     return true; // nobody gets as far as to ask for it
@@ -21,7 +25,9 @@ void tags_destroy(struct tags *tags) {
     (void)tags;
 }
 
-void tags_find(struct tags *tags, const struct hal_camera_luma *frame, struct detections *out) {
+void tags_find(struct tags *tags, const struct hal_camera_luma *frame,
+               const struct camera_model *model, struct detections *out) {
+    (void)model;
     (void)tags;
     (void)frame;
     (void)out;
