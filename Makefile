@@ -25,7 +25,7 @@ firmware_c := $(wildcard firmware/*/*.c)
 include boards/linux/features.mk
 hal_c := $(filter-out $(not_built),$(wildcard hal/*.c hal/linux/*.c))
 sim_c := $(filter-out host-sim/mcu/%,$(wildcard host-sim/*.c host-sim/*/*.c))
-program_c := $(wildcard boards/linux/*.c boards/linux/*/*.c)
+program_c := $(filter-out $(not_built),$(wildcard boards/linux/*.c boards/linux/*/*.c))
 test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c tests/vm/support/*.c)
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
