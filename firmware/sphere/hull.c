@@ -156,17 +156,20 @@ struct lists {
 /// the number of rays.
 static uint32_t *order_rays(struct scan *scan, enum hull_order order, const struct lists *lists,
                             uint32_t *count) {
-    uint32_t *sorted = order == HULL_ORDER_MERGE
-                           ? hull_order_merge(&scan->pivot, lists->buffer, lists->spare, *count)
-                           : hull_order_buckets(&scan->pivot, lists->buffer, lists->spare,
-                                                lists->list, lists->starts, *count);
+    uint32_t *sorted = lists->buffer, *turned = lists->spare;
+    if (order == HULL_ORDER_MERGE) {
+        hull_order_merge(&scan->pivot, sorted, turned, *count);
+    } else {
+        sorted = lists->spare;
+        turned = lists->buffer;
+        hull_order_buckets(&scan->pivot, turned, sorted, lists->list, lists->starts, *count);
+    }
     const uint32_t rays = keep_farthest(scan, sorted, *count);
     const uint32_t start = ray_after_gap(scan, sorted, rays);
     *count = rays;
     if (start == 0U) {
         return sorted;
     }
-    uint32_t *turned = sorted == lists->buffer ? lists->spare : lists->buffer;
     for (uint32_t i = 0; i < rays; i++) {
         turned[i] = sorted[i + start < rays ? i + start : i + start - rays];
     }

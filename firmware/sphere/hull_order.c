@@ -1,5 +1,7 @@
 #include "sphere/hull_order.h"
 
+#include "fixed/sort.h"
+
 struct hull_pivot hull_pivot(const struct vec3 *points, uint32_t index) {
     struct hull_pivot pivot = {.points = points, .direction = points[index]};
     const uint64_t x = u64_abs(pivot.direction.x), y = u64_abs(pivot.direction.y),
@@ -58,25 +60,12 @@ static bool before(struct hull_pivot *pivot, uint32_t a, uint32_t b) {
     return hull_ray_before(hull_ray(pivot, pivot->points[a]), hull_ray(pivot, pivot->points[b]));
 }
 
-uint32_t *hull_order_merge(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare,
-                           uint32_t count) {
-    uint32_t *from = list, *to = spare;
-    for (uint32_t width = 1; width < count; width *= 2U) {
-        for (uint32_t start = 0; start < count; start += 2U * width) {
-            const uint32_t middle = count - start < width ? count : start + width;
-            const uint32_t end = count - middle < width ? count : middle + width;
-            uint32_t left = start, right = middle;
-            for (uint32_t at = start; at < end; at++) {
-                const bool take_right =
-                    right < end && (left >= middle || before(pivot, from[right], from[left]));
-                to[at] = take_right ? from[right++] : from[left++];
-            }
-        }
-        uint32_t *swap = from;
-        from = to;
-        to = swap;
-    }
-    return from;
+static bool before_in(const void *context, uint32_t a, uint32_t b) {
+    return before(*(struct hull_pivot *const *)context, a, b);
+}
+
+void hull_order_merge(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare, uint32_t count) {
+    sort_indices(list, spare, count, before_in, &pivot);
 }
 
 // ---------------------------------------------------------------- buckets
@@ -101,10 +90,7 @@ static uint32_t angle_key(struct hull_ray ray) {
 static void sort_bucket(struct hull_pivot *pivot, uint32_t *bucket, uint32_t *spare,
                         uint32_t count) {
     if (count > 8U) {
-        const uint32_t *sorted = hull_order_merge(pivot, bucket, spare, count);
-        for (uint32_t i = 0; sorted != bucket && i < count; i++) {
-            bucket[i] = sorted[i];
-        }
+        hull_order_merge(pivot, bucket, spare, count);
         return;
     }
     for (uint32_t i = 1; i < count; i++) {
@@ -117,8 +103,8 @@ static void sort_bucket(struct hull_pivot *pivot, uint32_t *bucket, uint32_t *sp
     }
 }
 
-uint32_t *hull_order_buckets(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare,
-                             uint32_t *keys, uint32_t *starts, uint32_t count) {
+void hull_order_buckets(struct hull_pivot *pivot, uint32_t *list, uint32_t *sorted, uint32_t *keys,
+                        uint32_t *starts, uint32_t count) {
     for (uint32_t i = 0; i <= count; i++) {
         starts[i] = 0;
     }
@@ -131,16 +117,16 @@ uint32_t *hull_order_buckets(struct hull_pivot *pivot, uint32_t *list, uint32_t 
         starts[i + 1U] += starts[i];
     }
     for (uint32_t i = 0; i < count; i++) {
-        spare[starts[keys[i]]++] = list[i];
+        sorted[starts[keys[i]]++] = list[i];
     }
     // Each start has moved on to its bucket's end.
     for (uint32_t i = 0, from = 0; i < count; from = starts[i++]) {
-        sort_bucket(pivot, spare + from, list, starts[i] - from);
+        sort_bucket(pivot, sorted + from, list, starts[i] - from);
     }
     for (uint32_t i = 1; i < count; i++) {
-        if (before(pivot, spare[i], spare[i - 1U])) {
-            return hull_order_merge(pivot, spare, list, count);
+        if (before(pivot, sorted[i], sorted[i - 1U])) {
+            hull_order_merge(pivot, sorted, list, count);
+            break;
         }
     }
-    return spare;
 }

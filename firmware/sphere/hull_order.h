@@ -30,19 +30,17 @@ bool hull_ray_equal(struct hull_ray a, struct hull_ray b);
 
 /// Puts the points of a list, none of them parallel to the pivot, into the order of their rays;
 /// equal rays stay in the order of the list. spare: as large as the list.
-/// Returns: which of the two holds the result.
 /// Cost:    count log2 count exact comparisons.
-uint32_t *hull_order_merge(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare,
-                           uint32_t count);
+void hull_order_merge(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare, uint32_t count);
 
 /// The same through count buckets of equal width in the angle's stead (rounded to 30 bits a
 /// quadrant); each bucket is then sorted exactly, and the whole order checked exactly.
-/// Returns: which of the two holds the result. keys: count; starts: count + 1.
+/// The result is in `sorted`. list: overwritten, like keys (count) and starts (count + 1).
 /// Cost:    expected O(count) where the angles have a bounded density; count log2 count at worst:
 ///          a bucket is merged, and if the check fails, because rays of two buckets differ by less
 ///          than the rounding, all are.
 /// Source:  Anderson 1985, section 3 (bucket sort); the diamond angle v / (u + v) is elementary.
-uint32_t *hull_order_buckets(struct hull_pivot *pivot, uint32_t *list, uint32_t *spare,
-                             uint32_t *keys, uint32_t *starts, uint32_t count);
+void hull_order_buckets(struct hull_pivot *pivot, uint32_t *list, uint32_t *sorted, uint32_t *keys,
+                        uint32_t *starts, uint32_t count);
 
 #endif
