@@ -4,6 +4,7 @@
 
 #include "linux/linux_can.h"
 #include "linux/linux_gpio.h"
+#include "linux/linux_gs_usb.h"
 #include "linux/linux_pwm.h"
 #include "linux/linux_usb.h"
 
@@ -162,6 +163,31 @@ static unsigned probe_maestro(bool as_json) {
     return count;
 }
 
+/// With the kernel's driver it is a CAN interface, too, and either may be written.
+static unsigned probe_gs_usb(bool as_json) {
+    struct hal_usb_identity identities[DEVICES_MAX];
+    const unsigned there = linux_usb_list(0, identities, DEVICES_MAX);
+    unsigned count = 0;
+    for (unsigned i = 0; i < there && i < DEVICES_MAX; i++) {
+        const char *serial = identities[i].serial_number;
+        if (!linux_gs_usb_is_one(&identities[i])) {
+            continue;
+        }
+        struct found found = {.kind = "usb"};
+        snprintf(found.name, sizeof found.name, "gs_usb adapter");
+        snprintf(found.write, sizeof found.write, "bus = gs_usb%s%s", serial[0] != '\0' ? ":" : "",
+                 serial);
+        snprintf(found.about, sizeof found.about, "CAN adapter %04x:%04x", identities[i].vendor,
+                 identities[i].product);
+        if (serial[0] == '\0') {
+            snprintf(found.first, sizeof found.first, "let this user open it: docs/rig.md, udev");
+        }
+        print_found(&found, as_json);
+        count++;
+    }
+    return count;
+}
+
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     size_t operands;
@@ -171,7 +197,7 @@ static enum exit_status run_command(const struct command *command, int argc, cha
     }
     const unsigned count = probe_can(settings.json) + probe_serial(settings.json) +
                            probe_pwm(settings.json) + probe_maestro(settings.json) +
-                           probe_gpio(settings.json);
+                           probe_gs_usb(settings.json) + probe_gpio(settings.json);
     if (count == 0U) {
         message_command(command->name, "no CAN interface, serial port, PWM chip, Maestro or GPIO "
                                        "chip is here");
@@ -189,10 +215,11 @@ const struct command command_probe = {
     .name = "probe",
     .summary = "list the devices that a rig could use",
     .operands = "",
-    .help = "Prints a line a device: its kind, its name, what to write into a rig file, what is\n"
-            "known of it, and what has to be done before it can be used. With --json, an object a\n"
-            "line. CAN interfaces, serial ports (of slcan adapters), PWM chips, Maestro servo\n"
-            "controllers and GPIO chips. Nothing is changed, and nothing moves.\n",
+    .help =
+        "Prints a line a device: its kind, its name, what to write into a rig file, what is\n"
+        "known of it, and what has to be done before it can be used. With --json, an object a\n"
+        "line. CAN interfaces, serial ports (of slcan adapters), PWM chips, Maestro servo\n"
+        "controllers, gs_usb CAN adapters and GPIO chips. Nothing is changed, and nothing moves.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

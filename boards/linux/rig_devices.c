@@ -5,86 +5,6 @@
 
 static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
 
-// ---------------------------------------------------------------- the bus
-
-/// Replies of the rig's drives, and nothing else, are heard.
-static void listen_to(struct rig_bus *bus, const struct drive_rmd_config *rmd) {
-    bus->filters[bus->filter_count++] =
-        (struct hal_can_filter){.id = 0x140U + rmd->reply_offset + rmd->id,
-                                .id_mask = CAN_FRAME_EXTENDED_ID_MAX,
-                                .flags = 0,
-                                .flags_mask = CAN_FRAME_EXTENDED | CAN_FRAME_REMOTE};
-}
-
-static enum hal_status open_bus(struct rig_devices *devices) {
-    struct rig_bus *bus = &devices->bus;
-    enum hal_status status;
-    if (bus->kind == RIG_BUS_SOCKETCAN) {
-        status = linux_can_open(&bus->can, bus->path, &devices->clock.hal);
-        devices->error = bus->can.error;
-        bus->hal = &bus->can.hal;
-    } else {
-        status = linux_slcan_open(&bus->slcan, bus->path, bus->bitrate, &devices->clock.hal);
-        devices->error = bus->slcan.error;
-        bus->hal = &bus->slcan.hal;
-    }
-    return status == HAL_OK ? hal_can_set_filters(bus->hal, bus->filters, bus->filter_count)
-                            : status;
-}
-
-static void close_bus(struct rig_bus *bus) {
-    if (bus->kind == RIG_BUS_SOCKETCAN) {
-        linux_can_close(&bus->can);
-    } else if (bus->kind == RIG_BUS_SLCAN) {
-        linux_slcan_close(&bus->slcan);
-    }
-}
-
-/// can:NAME, slcan:DEVICE or slcan:DEVICE@BITRATE.
-static bool read_bus(struct rig_bus *bus, const char *text) {
-    const bool slcan = strncmp(text, "slcan:", 6) == 0;
-    if (!slcan && strncmp(text, "can:", 4) != 0) {
-        return false;
-    }
-    const char *path = strchr(text, ':') + 1;
-    const char *at = slcan ? strchr(path, '@') : NULL;
-    const size_t size = at != NULL ? (size_t)(at - path) : strlen(path);
-    char *end = NULL;
-    bus->text = text;
-    bus->kind = slcan ? RIG_BUS_SLCAN : RIG_BUS_SOCKETCAN;
-    bus->bitrate = at != NULL ? (uint32_t)strtoul(at + 1, &end, 10) : 1000000U;
-    if (size == 0U || size >= sizeof bus->path || (at != NULL && (end == at + 1 || *end != '\0'))) {
-        return false;
-    }
-    memcpy(bus->path, path, size);
-    bus->path[size] = '\0';
-    return true;
-}
-
-/// Which bus the axes are on: one for all of them.
-static bool find_bus(struct rig_bus *bus, const struct rig *rig) {
-    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
-        const struct drive_config *drive = &rig->controller.axis[axis].drive;
-        const char *text = rig->bus[axis];
-        if (drive->kind != DRIVE_RMD) {
-            continue;
-        }
-        if (bus->kind != RIG_BUS_NONE && strcmp(bus->text, text) != 0) {
-            ini_complain(&rig->ini, axis_names[axis], "", "bus",
-                         "is not that of %s; both have to be on one", axis_names[AXIS_PAN]);
-            return false;
-        }
-        if (bus->kind == RIG_BUS_NONE && !read_bus(bus, text)) {
-            ini_complain(&rig->ini, axis_names[axis], "", "bus",
-                         "is '%s'; on a rig with real devices it is can:NAME or slcan:DEVICE",
-                         text);
-            return false;
-        }
-        listen_to(bus, &drive->rmd);
-    }
-    return true;
-}
-
 // ---------------------------------------------------------------- outputs, numbered by axis
 
 static const struct hal_pwm *pwm_of(const struct rig_devices *devices, uint32_t axis) {
@@ -202,12 +122,12 @@ static bool find_outputs(struct rig_devices *devices, struct rig *rig) {
 
 enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig) {
     memset(devices, 0, sizeof *devices);
-    devices->bus.can.fd = devices->bus.can.error_fd = devices->bus.slcan.serial.fd = -1;
     linux_clock_open(&devices->clock, 0);
-    if (!find_bus(&devices->bus, rig) || !find_outputs(devices, rig)) {
+    if (!rig_buses_find(&devices->buses, rig, &devices->clock.hal) || !find_outputs(devices, rig)) {
         return EXIT_STATUS_USAGE;
     }
-    bool good = devices->bus.kind == RIG_BUS_NONE || open_bus(devices) == HAL_OK;
+    bool good = rig_buses_open(&devices->buses) == HAL_OK;
+    devices->error = devices->buses.error;
     unsigned opened = 0;
     while (good && opened < devices->device_count) {
         good = open_output(devices, &devices->device[opened]) == HAL_OK;
@@ -219,12 +139,13 @@ enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig) 
         rig_devices_close(devices);
         return EXIT_STATUS_DEVICE;
     }
-    devices->pump = (struct pump_devices){&devices->clock.hal, devices->bus.hal, &devices->outputs};
+    devices->pump =
+        (struct pump_devices){&devices->clock.hal, devices->buses.hal, &devices->outputs};
     return EXIT_STATUS_OK;
 }
 
 void rig_devices_close(struct rig_devices *devices) {
-    close_bus(&devices->bus);
+    rig_buses_close(&devices->buses);
     for (unsigned i = 0; i < devices->device_count; i++) {
         close_output(&devices->device[i]);
     }
@@ -241,13 +162,10 @@ void rig_devices_tick(struct rig_devices *devices) {
 
 /// A device that leaves answers that it is gone to whatever it is asked.
 const char *rig_devices_newly_lost(struct rig_devices *devices) {
-    struct hal_can_state state;
     struct hal_pwm_limits limits;
-    struct rig_bus *bus = &devices->bus;
-    if (bus->hal != NULL && !bus->lost && hal_can_state(bus->hal, &state) == HAL_ERROR_GONE) {
-        bus->lost = true;
-        devices->error = bus->kind == RIG_BUS_SOCKETCAN ? bus->can.error : bus->slcan.error;
-        return devices->error.line;
+    const char *lost = rig_buses_newly_lost(&devices->buses);
+    if (lost != NULL) {
+        return lost;
     }
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct rig_output *output = &devices->output[axis];
@@ -264,7 +182,7 @@ const char *rig_devices_newly_lost(struct rig_devices *devices) {
 }
 
 bool rig_devices_incomplete(const struct rig_devices *devices) {
-    bool incomplete = devices->bus.lost;
+    bool incomplete = rig_buses_incomplete(&devices->buses);
     for (unsigned i = 0; i < devices->device_count; i++) {
         incomplete = incomplete || devices->device[i].lost;
     }
@@ -272,10 +190,7 @@ bool rig_devices_incomplete(const struct rig_devices *devices) {
 }
 
 bool rig_devices_mend(struct rig_devices *devices) {
-    if (devices->bus.lost) {
-        close_bus(&devices->bus);
-        devices->bus.lost = open_bus(devices) != HAL_OK;
-    }
+    rig_buses_mend(&devices->buses);
     for (unsigned i = 0; i < devices->device_count; i++) {
         struct rig_output_device *device = &devices->device[i];
         if (device->lost) {

@@ -1,8 +1,7 @@
 /// The devices that a rig file names, opened: what the pump reads and writes when nothing is
 /// simulated.
 ///
-/// `bus = can:NAME` is a network interface, `bus = slcan:DEVICE` (or slcan:DEVICE@BITRATE, 1000000
-/// if not said) an adapter on a serial port. `device = pwmchipN` is a PWM chip of the kernel's,
+/// Buses are those of rig_bus.h. `device = pwmchipN` is a PWM chip of the kernel's,
 /// `device = maestro` (or maestro:SERIAL) a USB servo controller; `fake` outputs next to real
 /// devices go nowhere. A device that leaves while the rig runs answers HAL_ERROR_GONE;
 /// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
@@ -12,32 +11,16 @@
 
 #include "message.h"
 #include "rig.h"
+#include "rig_bus.h"
 
 #include "app/pump.h"
-#include "linux/linux_can.h"
 #include "linux/linux_clock.h"
 #include "linux/linux_maestro.h"
 #include "linux/linux_pwm.h"
-#include "linux/linux_slcan.h"
 
 #include <stdbool.h>
 
-enum rig_bus_kind { RIG_BUS_NONE, RIG_BUS_SOCKETCAN, RIG_BUS_SLCAN };
 enum rig_output_kind { RIG_OUTPUT_PWM, RIG_OUTPUT_MAESTRO };
-
-/// The bus of the drives.
-struct rig_bus {
-    enum rig_bus_kind kind;
-    const char *text; ///< as in the rig file
-    char path[LINUX_SERIAL_PATH_BYTES];
-    uint32_t bitrate;
-    struct linux_can can;
-    struct linux_slcan slcan;
-    const struct hal_can *hal;
-    struct hal_can_filter filters[AXIS_COUNT];
-    uint32_t filter_count;
-    bool lost;
-};
 
 /// A device with outputs; several axes may share one.
 struct rig_output_device {
@@ -62,7 +45,7 @@ struct rig_devices {
 
     // Private from here on.
     struct linux_clock clock;
-    struct rig_bus bus;
+    struct rig_buses buses;
     struct rig_output_device device[AXIS_COUNT];
     unsigned device_count;
     struct hal_pwm outputs;

@@ -63,7 +63,7 @@ static const struct ini_key axis_keys[] = {
      .type = INI_TEXT,
      .fallback = "fake",
      AXIS(bus),
-     .help = "rmd: can:NAME, slcan:DEVICE, or fake for the simulator's"},
+     .help = "rmd: can:NAME, slcan:DEVICE, gs_usb, or fake for the simulator's"},
     {.name = "id",
      .type = INI_WHOLE,
      .fallback = "0",

@@ -1,0 +1,75 @@
+/// The CAN buses of a rig's drives: one for both axes, or one each.
+///
+/// `bus = can:NAME` is a network interface, `slcan:DEVICE[@BITRATE]` an adapter on a serial port,
+/// `gs_usb[:SERIAL][/CHANNEL][@BITRATE]` a USB adapter that this program drives itself; 1000000
+/// bit/s if not said. Two buses look like one: a request goes to the bus of its drive, whose number
+/// is no other drive's on any bus. One that a bus does not take is dropped and counted, so that the
+/// other bus goes on; a bus that is off is restarted.
+/// Shown: tests/scenario/test_rig_bus.c, tests/vm/guest/buses.sh.
+#ifndef LINUX_RIG_BUS_H
+#define LINUX_RIG_BUS_H
+
+#include "rig.h"
+
+#include "linux/linux_can.h"
+#include "linux/linux_gs_usb.h"
+#include "linux/linux_slcan.h"
+
+#include <stdbool.h>
+
+enum rig_bus_kind { RIG_BUS_SOCKETCAN, RIG_BUS_SLCAN, RIG_BUS_GS_USB };
+
+enum { RIG_BUSES_MAX = 2 };
+
+/// What the text of a bus says.
+struct rig_bus_address {
+    enum rig_bus_kind kind;
+    char path[LINUX_SERIAL_PATH_BYTES]; ///< interface, device or serial number; may be empty for
+                                        ///< gs_usb: any
+    uint8_t channel;
+    uint32_t bitrate;
+};
+
+/// False: it can't be read.
+bool rig_bus_parse(const char *text, struct rig_bus_address *address);
+
+struct rig_bus {
+    const char *text; ///< as in the rig file
+    struct rig_bus_address address;
+    struct linux_can can;
+    struct linux_slcan slcan;
+    struct linux_gs_usb gs_usb;
+    const struct hal_can *hal;
+    struct hal_can_filter filters[AXIS_COUNT];
+    uint32_t filter_count;
+    bool lost;
+};
+
+struct rig_buses {
+    const struct hal_can *hal; ///< of all of them; NULL: no axis has a bus
+    uint32_t dropped;          ///< requests that their bus did not take, of several buses
+    struct linux_error error;  ///< of the bus that was opened or lost last
+
+    // Private from here on.
+    struct hal_can together;
+    struct rig_bus bus[RIG_BUSES_MAX];
+    unsigned count;
+    uint32_t request_id[AXIS_COUNT]; ///< 0: no drive on a bus
+    struct rig_bus *bus_of[AXIS_COUNT];
+    const struct hal_clock *clock;
+};
+
+/// Which buses a rig names. False after a line on stderr. Must not move in memory afterwards.
+bool rig_buses_find(struct rig_buses *buses, const struct rig *rig, const struct hal_clock *clock);
+
+/// Opens them; not HAL_OK: buses->error has the line, and rig_buses_close closes what is open.
+enum hal_status rig_buses_open(struct rig_buses *buses);
+void rig_buses_close(struct rig_buses *buses);
+
+/// Has one left since the last call? Its line, once for each loss; NULL: none has.
+const char *rig_buses_newly_lost(struct rig_buses *buses);
+bool rig_buses_incomplete(const struct rig_buses *buses);
+/// Tries to open what is missing.
+void rig_buses_mend(struct rig_buses *buses);
+
+#endif

@@ -1,0 +1,122 @@
+# `boresight run` on a gs_usb adapter that it drives itself, against the simulator's drives behind the kernel's own driver
+# of another adapter on the same bus; and with each axis on a bus of its own.
+. tests/vm/guest/check.sh
+load -a vcan can_raw vhci-hcd gs_usb
+boresight=$VM_TESTS/gcc/boresight
+work=$(mktemp -d)
+# Slow ticks and long patience: the emulated machine has no real time.
+rig() { # PAN-BUS TILT-BUS
+    awk -v pan="$1" -v tilt="$2" '/^bus = / { print "bus = " (seen++ ? tilt : pan); next } { print }' host-sim/rigs/studio.ini |
+        sed 's/^silence_ms.*/silence_ms = 2000/; s/^watchdog_ms.*/watchdog_ms = 0/; s/^heading_deg.*/heading_deg = 0/'
+    printf '\n[controller]\ntick_us = 10000\n'
+}
+rig fake fake >"$work/sim.ini"
+printf '[scenario]\nname = served\nrig = sim.ini\nseconds = 1\ntick_us = 10000\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
+: >"$work/none.jsonl"
+printf '{"t_us": 0, "id": 1, "dir": [0.5, 1, 0.2]}\n' >"$work/targets.jsonl"
+# atan2(0.5, 1) and asin(0.2 / |(0.5, 1, 0.2)|)
+wanted_pan=26.5651 wanted_tilt=10.1421
+
+fact() { sed -n "s/.*\"$2\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$1"; }
+near() { awk -v a="$1" -v b="$2" 'BEGIN { d = a - b; exit !(a != "" && b != "" && d <= 0.05 && -d <= 0.05) }'; }
+serve() { # NUMBER INTERFACE
+    "$boresight" sim "$work/served.ini" --serve "can:$2" --json >"$work/serve$1.json" 2>"$work/serve$1.err" &
+    eval "server$1=\$!"
+}
+end_serve() { # NUMBER
+    eval "kill -INT \$server$1; wait \$server$1"
+}
+start() { # ARGUMENT...
+    "$boresight" run "$work/rig.ini" --json --arm --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
+    runner=$!
+}
+says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
+arm_until() { # PATTERN COUNT: a drive that was away may still have to answer, so the person arms until it is taken
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
+        kill -USR1 $runner
+        until_true 2 says "$1" "$2" && return 0
+    done
+    return 1
+}
+end_run() {
+    sleep 3 # time to arrive
+    kill -INT $runner
+    wait $runner
+}
+
+# ---------------------------------------------------------------- a bus for each axis
+for name in vcan0 vcan1; do ip link add dev $name type vcan && ip link set $name up; done
+rig can:vcan0 can:vcan1 >"$work/rig.ini"
+serve 0 vcan0
+serve 1 vcan1
+start --stay
+until_true 30 says 'run: tracking'
+verdict buses.each_axis_on_its_own_bus $? "$work/run.err"
+ip link del vcan1
+until_true 30 says 'vcan1: the interface has gone'
+verdict buses.tells_which_has_left $? "$work/run.err"
+wait $server1
+ip link add dev vcan1 type vcan && ip link set vcan1 up
+serve 1 vcan1
+until_true 30 says 'all devices are there again' && arm_until 'run: tracking' 2
+verdict buses.opens_it_again $? "$work/run.err"
+end_run
+[ $? -eq 0 ]
+verdict buses.ends_well $? "$work/run.err"
+end_serve 0
+end_serve 1
+near "$(fact "$work/serve0.json" pan_deg)" $wanted_pan && near "$(fact "$work/serve1.json" tilt_deg)" $wanted_tilt
+verdict buses.both_arrive $? "$work/serve0.json" "$work/serve1.json"
+near "$(fact "$work/serve0.json" tilt_deg)" 0 && near "$(fact "$work/serve1.json" pan_deg)" 0
+verdict buses.requests_go_to_their_bus_only $? "$work/serve0.json" "$work/serve1.json"
+ip link del vcan0
+ip link del vcan1
+
+# ---------------------------------------------------------------- gs_usb by libusb, and by the kernel
+rig gs_usb:0001 gs_usb:0001 >"$work/rig.ini"
+start
+wait $runner
+[ $? -eq 4 ] && says 'CAN adapter 1d50:606f: no such USB device; is it plugged in? '
+verdict buses.no_adapter_is_status_4 $? "$work/run.err"
+"$VM_TESTS/gcc/tests/vm/plug_candles" &
+candles=$!
+interfaces() { set -- /sys/bus/usb/drivers/gs_usb/*/net/*; [ -e "$1" ] && [ $# -eq "$count" ]; }
+count=2
+until_true 30 interfaces
+"$boresight" probe >"$work/probe"
+grep -q '^usb .* bus = gs_usb:0001 ' "$work/probe" && grep -q '^usb .* bus = gs_usb:0002 ' "$work/probe"
+verdict buses.probe_lists_adapters $? "$work/probe"
+peer=
+for folder in /sys/bus/usb/drivers/gs_usb/*/net/*; do
+    [ "$(cat "$(readlink -f "$folder/device/..")/serial")" = 0002 ] && peer=${folder##*/}
+done
+ip link set "$peer" up type can bitrate 1000000
+serve 0 "$peer"
+timeout 600 candump -L "$peer" >"$work/candump" &
+witness=$!
+start --stay
+until_true 60 says 'run: tracking'
+verdict buses.runs_on_gs_usb $? "$work/run.err"
+kill -USR2 $candles
+sleep 1
+arm_until 'run: tracking' 1
+verdict buses.survives_bus_off $? "$work/run.err"
+before=$(grep -c 'run: tracking' "$work/run.err")
+kill -USR1 $candles
+until_true 60 says 'CAN adapter 1d50:606f: the \(device\|adapter\) has left; plug it in again'
+verdict buses.tells_that_the_adapter_has_left $? "$work/run.err"
+kill -USR1 $candles
+until_true 60 says 'all devices are there again' && arm_until 'run: tracking' $((before + 1))
+verdict buses.opens_the_adapter_again $? "$work/run.err"
+end_run
+[ $? -eq 0 ]
+verdict buses.gs_usb_ends_well $? "$work/run.err" "$work/run.json"
+end_serve 0
+near "$(fact "$work/serve0.json" pan_deg)" $wanted_pan && near "$(fact "$work/serve0.json" tilt_deg)" $wanted_tilt
+verdict buses.gs_usb_aims $? "$work/serve0.json" "$work/run.json"
+[ "$(fact "$work/run.json" can_restarts)" -ge 1 ]
+verdict buses.bus_off_was_restarted $? "$work/run.json"
+[ "$(grep -c ' 14[12]#' "$work/candump")" -gt 100 ]
+verdict buses.candump_saw_the_requests $?
+kill $witness $candles
+wait $candles
