@@ -132,16 +132,17 @@ static enum exit_status read_targets(struct work *work, const char *file) {
     if (status != EXIT_STATUS_OK) {
         return status;
     }
-    const uint32_t most = work->plan.planes ? PLAN_TARGETS_MAX : PLAN_TARGETS_LINES_MAX;
     if (work->ranking.targets.count == 0U) {
         message_at(name_of_file(file), 0, "no points");
         return EXIT_STATUS_USAGE;
     }
-    if (work->ranking.targets.count > most) {
-        message_at(name_of_file(file), 0, "%lu targets; at most %lu%s",
-                   (unsigned long)work->ranking.targets.count, (unsigned long)most,
-                   work->plan.planes ? ", or 2000 with --lines" : "");
+    if (work->ranking.targets.count > PLAN_TARGETS_MAX) {
+        message_at(name_of_file(file), 0, "%lu targets; at most %d",
+                   (unsigned long)work->ranking.targets.count, PLAN_TARGETS_MAX);
         return EXIT_STATUS_USAGE;
+    }
+    if (work->ranking.targets.count > PLAN_TARGETS_PLANES_MAX) {
+        work->plan.planes = false;
     }
     return EXIT_STATUS_OK;
 }
@@ -340,7 +341,8 @@ const struct command command_plan = {
         "without POINTS, or with -, stdin is read. Where all coordinates are whole multiples of\n"
         "one power of ten, and at most 8388607 of them, every decision is exact for the numbers "
         "as\n"
-        "written (`exact yes`); else they are rounded to 23 bits of the largest.\n\n"
+        "written (`exact yes`); else they are rounded to 23 bits of the largest. At most 2000\n"
+        "targets; beyond 200 the nearest plane is not looked for (as with --lines).\n\n"
         "results:\n"
         "  collinear_triples collinear\n"
         "                   triples of targets on one line, which line up from everywhere and\n"
@@ -358,6 +360,8 @@ const struct command command_plan = {
         "                   the targets don't fill the picture\n"
         "  lines_through planes_through\n"
         "                   pairs and triples of targets with the mount on their line or plane\n"
+        "  lined_up lined_up_first\n"
+        "                   triples of targets on one line in the picture, and the first of them\n"
         "  line line_at line_cm, plane plane_at plane_cm\n"
         "                   the nearest ones, the nearest place on them, and how far that is,\n"
         "                   rounded down\n"

@@ -80,7 +80,9 @@ enum exit_status plan_set(struct plan *plan, const struct points *targets, const
     plan->mounts = all.directions == NULL ? NULL : all.directions + targets->count;
     all.directions = NULL;
     points_free(&all);
-    plan->workspace_bytes = CONE_WORKSPACE_BYTES(targets->count);
+    const size_t of_cone = CONE_WORKSPACE_BYTES(targets->count),
+                 of_lineup = LINEUP_WORKSPACE_BYTES(targets->count);
+    plan->workspace_bytes = of_cone > of_lineup ? of_cone : of_lineup;
     plan->workspace = malloc(plan->workspace_bytes);
     plan->image = malloc((2U * (size_t)targets->count + 1U) * sizeof *plan->image);
     plan->directions = malloc(((size_t)targets->count + 1U) * sizeof *plan->directions);

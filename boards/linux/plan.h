@@ -9,14 +9,15 @@
 #include "points.h"
 #include "rig.h"
 
+#include "regular/lineup.h"
 #include "regular/viewpoint.h"
 #include "sphere/cone.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/// With planes a mount takes count^3 / 6 steps, without them count^2 / 2.
-enum { PLAN_TARGETS_MAX = 200, PLAN_TARGETS_LINES_MAX = 2000, PLAN_MOUNTS_MAX = 10000 };
+/// A mount takes count^2 log count steps, and count^3 / 6 with margins of planes.
+enum { PLAN_TARGETS_MAX = 2000, PLAN_TARGETS_PLANES_MAX = 200, PLAN_MOUNTS_MAX = 10000 };
 
 struct plan_camera {
     const struct rig *rig; ///< NULL: no limits, and a lens that always fills the picture
@@ -39,7 +40,7 @@ struct plan {
     double center[3], radius;
     double *image; ///< scratch: x and y in pixels of each target
     void *workspace;
-    size_t workspace_bytes; ///< for the cone
+    size_t workspace_bytes;
     struct vec3 *directions;
 };
 
@@ -70,6 +71,9 @@ struct plan_view {
     double focal_mm; ///< of the rig
     enum plan_zoom zoom;
     struct viewpoint_result margins;
+    /// Triples of targets on one line in the picture, also those that are in space.
+    struct lineup_result lineup;
+    bool lineup_known;
     double line_cm, plane_cm, margin_cm; ///< INFINITY: nothing is forbidden
     double line_foot[3], plane_foot[3];  ///< the nearest forbidden places, in the files' unit
     // In the picture: the two targets that are closest together, and the flattest three.

@@ -68,6 +68,14 @@ static void print_margins(struct facts *facts, const struct page *page,
         facts_reals(facts, "line_at", view->line_foot, 3);
     }
     print_margin(facts, "line_cm", view->line_cm, 6);
+    if (!view->lineup_known) {
+        facts_null(facts, "lined_up", "no exact turn brings these targets into general position");
+    } else {
+        facts_u64(facts, "lined_up", view->lineup.triples);
+        if (view->lineup.triples != 0U) {
+            print_targets(facts, page, "lined_up_first", view->lineup.first, 3);
+        }
+    }
     if (page->plan->planes) {
         facts_u64(facts, "planes_through", m->plane.through);
         if (isfinite(view->plane_cm)) {

@@ -218,6 +218,8 @@ enum exit_status plan_look(const struct plan *plan, struct vec3 at, struct plan_
         message_command("plan", "internal failure %d", (int)status);
         return EXIT_STATUS_FAILURE;
     }
+    out->lineup_known = lineup_find(plan->directions, plan->target_count, true, plan->workspace,
+                                    plan->workspace_bytes, &out->lineup) == LINEUP_OK;
     out->line_cm = margin_cm(plan, &out->margins.line);
     out->plane_cm = margin_cm(plan, &out->margins.plane);
     out->margin_cm = out->line_cm < out->plane_cm ? out->line_cm : out->plane_cm;

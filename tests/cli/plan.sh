@@ -12,7 +12,7 @@ has 'three targets, five mounts: the order and who is usable' 0 'targets=3' 'mou
     'ranking[0].plane_at[0]=1' 'ranking[0].plane_at[2]=0' 'ranking[0].lines_through=0' 'ranking[0].line[0]=1' 'ranking[0].line[1]=2' \
     'ranking[0].line_cm=300.000000' 'ranking[0].margin_cm=300.000000' 'ranking[0].margin_px=360.000' 'ranking[1].margin_px=360.000' \
     'ranking[2].mount=1' 'ranking[2].usable=true' 'ranking[2].lines_through=1' 'ranking[2].planes_through=1' 'ranking[2].line[1]=1' \
-    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' \
+    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' 'ranking[2].lined_up=1' 'ranking[2].lined_up_first[2]=2' 'ranking[0].lined_up=0' \
     'ranking[3].usable=false' 'ranking[3].feasible=false' 'ranking[3].why_not="no direction sees all targets"' 'ranking[3].witness[0]=1' \
     'ranking[4].why_not="at a target"' 'ranking[4].target[0]=2'
 printf 'far 9 1 8\nnear 1 1 2\n' >"$dir/two"
@@ -31,7 +31,7 @@ run plan --mounts "$dir/mounts" --json <"$dir/none"
 ends 'no targets' 2 'stdin: no points'
 printf '0 0 0\n2 0 0\n0 2 0\n2 2 0\n1 1 0\n' >"$dir/square"
 run plan --mounts "$dir/mounts" --json "$dir/square"
-has 'a square from above its middle' 0 'collinear_triples=2' 'collinear[0]=0' 'collinear[1]=3' 'collinear[2]=4' 'ranking[0].tilt_deg=-90.000000000' \
+has 'a square from above its middle' 0 'collinear_triples=2' 'ranking[0].lined_up=2' 'collinear[0]=0' 'collinear[1]=3' 'collinear[2]=4' 'ranking[0].tilt_deg=-90.000000000' \
     'ranking[0].pair_px=360.000' 'ranking[0].triple_px=254.558' 'ranking[0].margin_px=254.558'
 
 # A rig that looks south, 175 degrees to each side, 30 down to 95 up, 2.4 to 24 mm on 4.8 x 3.6 mm with 12 percent to spare.
@@ -112,11 +112,21 @@ run plan "$dir/input"
 ends 'two targets at one place' 2 "$dir/input:4: the same place as in line 1"
 run plan --mounts "$dir/none" "$dir/stage"
 ends 'no mounts' 2 "$dir/none: no mounts"
-awk 'BEGIN { for (i = 0; i < 201; i++) print i, i * i % 211, i * i * i % 197 }' >"$dir/input"
+awk 'BEGIN { for (i = 0; i < 2001; i++) print i, i * i % 211, i * i * i % 197 }' >"$dir/input"
 run plan "$dir/input"
-ends 'too many targets' 2 "$dir/input: 201 targets; at most 200, or 2000 with --lines"
-run plan --lines --count 1 --json "$dir/input"
-has 'more of them with --lines' 0 'targets=201'
+ends 'too many targets' 2 "$dir/input: 2001 targets; at most 2000"
+head -n 201 "$dir/input" >"$dir/some"
+printf '9 7 400\n' >"$dir/over"
+wanted=$(awk '{ x[NR] = $1 - 9; y[NR] = $2 - 7; z[NR] = $3 - 400 } END {
+    for (i = 1; i <= NR; i++) for (j = 1; j < i; j++) {
+        a = y[i] * z[j] - z[i] * y[j]; b = z[i] * x[j] - x[i] * z[j]; c = x[i] * y[j] - y[i] * x[j]
+        for (k = 1; k < j; k++) if (a * x[k] + b * y[k] + c * z[k] == 0) n++
+    }
+    print n + 0 }' "$dir/some")
+run plan --mounts "$dir/over" --json "$dir/some"
+has 'many targets: no planes, but what lines up' 0 'targets=201' "ranking[0].lined_up=$wanted"
+[ "$(grep -c plane "$dir/facts")" -eq 0 ]
+verdict 'no planes beyond 200 targets' $?
 run plan --mounts "$dir/places" --count 3 "$dir/stage"
 ends 'mounts and proposals' 2 'boresight plan: --mounts goes without --count, --distance and --above'
 run plan --size 640 "$dir/stage"

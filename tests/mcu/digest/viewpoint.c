@@ -1,6 +1,7 @@
-/// Margins of viewpoints.
+/// Margins of viewpoints, and which targets line up.
 #include "mcu/digest/sets.h"
 
+#include "regular/lineup.h"
 #include "regular/viewpoint.h"
 
 #define COUNT_MAX 12U
@@ -42,7 +43,30 @@ static void margins(void) {
     digest_finish(&d, "digest regular/viewpoint");
 }
 
+static void lineups(void) {
+    struct digest d = digest_start(52);
+    static uint64_t workspace[LINEUP_WORKSPACE_BYTES(COUNT_MAX) / sizeof(uint64_t) + 1U];
+    struct vec3 directions[COUNT_MAX];
+    for (int i = 0; i < 250; i++) {
+        const uint32_t range = i % 3 == 0 ? 30000U : 1U + digest_below(&d, 4);
+        const uint32_t count = digest_below(&d, COUNT_MAX + 1U);
+        for (uint32_t t = 0; t < count; t++) {
+            directions[t] = draw_place(&d, range);
+        }
+        struct lineup_result result;
+        digest_i64(&d, lineup_find(directions, count, true, workspace, sizeof workspace, &result));
+        digest_u64(&d, result.triples);
+        digest_u64(&d, result.pairs);
+        digest_u64(&d, result.turns);
+        for (unsigned k = 0; k < 3U; k++) {
+            digest_u64(&d, result.first[k]);
+        }
+    }
+    digest_finish(&d, "digest regular/lineup");
+}
+
 int main(void) {
     TEST(margins);
+    TEST(lineups);
     return check_finish();
 }
