@@ -1,7 +1,7 @@
 #include "regular/lineup.h"
 
 #include "fixed/sort.h"
-#include "regular/turn.h"
+#include "regular/rotation.h"
 
 /// More than are ever needed; a bound, so that the search ends.
 #define TURNS_MAX 2048U
@@ -49,21 +49,21 @@ static bool is_general(const struct search *s) {
 }
 
 /// Turns all of them. False: one does not fit.
-static bool turn_all(const struct search *s, const struct turn *turn) {
+static bool turn_all(const struct search *s, const struct rotation *rotation) {
     for (uint32_t i = 0; i < s->count; i++) {
-        if (!turn_fits(turn, s->given[i])) {
+        if (!rotation_fits(rotation, s->given[i])) {
             return false;
         }
-        s->turned[i] = turn_forth(turn, s->given[i]);
+        s->turned[i] = rotation_apply(rotation, s->given[i]);
     }
     return true;
 }
 
 static bool find_turn(const struct search *s) {
     for (uint32_t number = 0; number < TURNS_MAX; number++) {
-        const struct turn turn = turn_try(number);
+        const struct rotation rotation = rotation_try(number);
         s->result->turns = number;
-        if (turn_all(s, &turn) && is_general(s)) {
+        if (turn_all(s, &rotation) && is_general(s)) {
             return true;
         }
     }
@@ -159,7 +159,7 @@ enum lineup_status lineup_find(const struct vec3 *directions, uint32_t count, bo
         directions, count, slopes, turned, order, order + count, order + 2U * (size_t)count,
         result};
     if (turn ? !find_turn(&search)
-             : !turn_all(&search, &(struct turn){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1})) {
+             : !turn_all(&search, &(struct rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1})) {
         return LINEUP_ERROR_POSITION;
     }
     for (uint32_t i = 0; i < count; i++) {

@@ -3,9 +3,9 @@
 /// For each target the slopes of the lines to all later ones are sorted, and equal ones counted.
 /// That takes O(n^2 log n) time and O(n) space, and needs general position: no target in the
 /// viewer's own plane, and no two with the same x in the picture, whose line has no slope. It gets
-/// it from an exact turn (regular/turn.h) that is tested to be regular, as section 2 of the paper
-/// does: sort, and look for two with the same x. Turning changes no answer, since the answers are
-/// which targets line up; so there is nothing to turn back.
+/// it from an exact turn (regular/rotation.h) that is tested to be regular, as section 2 of the
+/// paper does: sort, and look for two with the same x. Turning changes no answer, since the answers
+/// are which targets line up; so there is nothing to turn back.
 #ifndef REGULAR_LINEUP_H
 #define REGULAR_LINEUP_H
 

@@ -3,7 +3,7 @@
 #include "check.h"
 
 #include "regular/lineup.h"
-#include "regular/turn.h"
+#include "regular/rotation.h"
 #include "regular/viewpoint.h"
 
 #include <stdio.h>
@@ -154,7 +154,7 @@ static void agrees_with_the_margins(void) {
 
 static void turns_are_rotations(void) {
     for (uint32_t number = 0; number < 2000U && check_clean(); number++) {
-        const struct turn t = turn_try(number);
+        const struct rotation t = rotation_try(number);
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j < 3; j++) {
                 CHECK_EQ(vec3_dot_unit(t.row[i], t.row[j]),
@@ -164,8 +164,8 @@ static void turns_are_rotations(void) {
         CHECK_EQ(vec3_det_sign(t.row[0], t.row[1], t.row[2]), 1);
         CHECK(number == 0U || t.scale > 0);
         const int32_t most = INT32_MAX / t.scale;
-        CHECK(turn_fits(&t, vec3(most, 0, 0)));
-        CHECK(!turn_fits(&t, vec3(most, most, 0)));
+        CHECK(rotation_fits(&t, vec3(most, 0, 0)));
+        CHECK(!rotation_fits(&t, vec3(most, most, 0)));
     }
 }
 

@@ -1,22 +1,22 @@
-#include "regular/turn.h"
+#include "regular/rotation.h"
 
-struct turn turn_from(const int32_t q[4]) {
+struct rotation rotation_from(const int32_t q[4]) {
     const int32_t a = q[0], b = q[1], c = q[2], d = q[3];
-    return (struct turn){
+    return (struct rotation){
         {{a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)},
          {2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)},
          {2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d}},
         a * a + b * b + c * c + d * d};
 }
 
-struct turn turn_try(uint32_t number) {
+struct rotation rotation_try(uint32_t number) {
     if (number == 0U) {
         const int32_t identity[4] = {1, 0, 0, 0};
-        return turn_from(identity);
+        return rotation_from(identity);
     }
     // Four draws from a linear congruence; small numbers first, so that little room is used.
     const uint32_t size =
-        2U + number / 16U < TURN_QUATERNION_MAX ? 2U + number / 16U : TURN_QUATERNION_MAX;
+        2U + number / 16U < ROTATION_QUATERNION_MAX ? 2U + number / 16U : ROTATION_QUATERNION_MAX;
     uint32_t state = number * UINT32_C(2654435769);
     int32_t q[4];
     for (unsigned i = 0; i < 4U; i++) {
@@ -24,15 +24,16 @@ struct turn turn_try(uint32_t number) {
         q[i] = (int32_t)((state >> 16) % (2U * size + 1U)) - (int32_t)size;
     }
     q[0] += q[0] == 0 ? 1 : 0; // never all zero
-    return turn_from(q);
+    return rotation_from(q);
 }
 
-bool turn_fits(const struct turn *turn, struct vec3 a) {
-    const uint64_t scale2 = (uint64_t)((int64_t)turn->scale * turn->scale);
+bool rotation_fits(const struct rotation *rotation, struct vec3 a) {
+    const uint64_t scale2 = (uint64_t)((int64_t)rotation->scale * rotation->scale);
     return u128_cmp(u128_mul(scale2, vec3_norm2(a)), u128_mul(INT32_MAX, INT32_MAX)) <= 0;
 }
 
-struct vec3 turn_forth(const struct turn *turn, struct vec3 a) {
-    return vec3((int32_t)vec3_dot(turn->row[0], a).lo, (int32_t)vec3_dot(turn->row[1], a).lo,
-                (int32_t)vec3_dot(turn->row[2], a).lo);
+struct vec3 rotation_apply(const struct rotation *rotation, struct vec3 a) {
+    return vec3((int32_t)vec3_dot(rotation->row[0], a).lo,
+                (int32_t)vec3_dot(rotation->row[1], a).lo,
+                (int32_t)vec3_dot(rotation->row[2], a).lo);
 }
