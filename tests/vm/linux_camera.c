@@ -14,6 +14,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -37,8 +38,9 @@ static void open_by_name(const char *name) {
             usleep(10000);
         }
     }
-    if (!CHECK_EQ(status, HAL_OK)) {
-        printf("  %s\n", camera.error.line);
+    if (!CHECK_EQ(status, HAL_OK)) { // nothing else makes sense then
+        printf("  %s\nFAIL linux_camera.opens\n", camera.error.line);
+        exit(2);
     }
 }
 

@@ -49,13 +49,13 @@ static void put_length(struct list *list, size_t begin, size_t at, unsigned widt
 }
 
 static void put_control_interface(struct list *list) {
-    static const uint8_t interface[] = {9, 4, 0, 0, 0, 0x0E, 1, 0, 2};
+    static const uint8_t interface[] = {9, 4, 0, 0, 0, 0x0E, 1, 0, 0};
     // Camera terminal 1 (zoom, bit 9, and pan and tilt, bit 11, can be set) and USB terminal 3.
     static const uint8_t camera[] = {18, 0x24, 2, 1, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0x0A, 0};
     static const uint8_t output[] = {9, 0x24, 3, 3, 1, 1, 0, 1, 0};
     put_bytes(list, interface, sizeof interface);
     const size_t header = list->size;
-    static const uint8_t head[] = {13, 0x24, 1, 0, 1, 0, 0, 0x6C, 0xDC, 0x02, 1, 1};
+    static const uint8_t head[] = {13, 0x24, 1, 0, 1, 0, 0, 0x00, 0x6C, 0xDC, 0x02, 1, 1};
     put_bytes(list, head, sizeof head);
     put_bytes(list, camera, sizeof camera);
     put_bytes(list, output, sizeof output);
@@ -119,7 +119,7 @@ static void put_streaming_interface(struct list *list) {
 static const uint8_t *configuration(void) {
     static struct list list;
     static const uint8_t head[] = {9, 2, 0, 0, 2, 1, 0, 0x80, 50};
-    static const uint8_t association[] = {8, 11, 0, 2, 0x0E, 3, 0, 2};
+    static const uint8_t association[] = {8, 11, 0, 2, 0x0E, 3, 0, 0};
     list.size = 0;
     put_bytes(&list, head, sizeof head);
     put_bytes(&list, association, sizeof association);
