@@ -148,15 +148,6 @@ static uint32_t exposed_us(const struct linux_camera *camera, const struct v4l2_
     return now_us - (uint32_t)(age_us < 0 ? 0 : age_us);
 }
 
-static bool all_out(const struct linux_camera *camera) {
-    for (uint32_t i = 0; i < camera->buffer_count; i++) {
-        if (!camera->buffer[i].out) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static enum hal_status hand_out(struct linux_camera *camera, const struct v4l2_buffer *taken,
                                 struct hal_camera_frame *frame) {
     struct linux_camera_buffer *const buffer = &camera->buffer[taken->index];
@@ -182,9 +173,6 @@ static enum hal_status camera_dequeue(void *ctx, struct hal_camera_frame *frame)
     struct linux_camera *camera = ctx;
     if (camera->gone || !camera->streaming) {
         return camera->gone ? HAL_ERROR_GONE : HAL_ERROR_DOWN;
-    }
-    if (all_out(camera)) {
-        return HAL_EMPTY;
     }
     struct v4l2_buffer taken = buffer_at(0);
     if (ioctl(camera->fd, VIDIOC_DQBUF, &taken) != 0) {
