@@ -29,6 +29,11 @@ bool check_near(const char *file, int line, const char *text, int64_t got, int64
 
 void check_run(const char *name, void (*function)(void));
 
+/// The same for a test of real time, which proves nothing on a machine that paused. excuse: asked
+/// when the test has failed, tells that it did, since it was asked last (NULL: it didn't). Then the
+/// test is run again; after three times it is skipped, by name and for that reason.
+void check_run_timed(const char *name, void (*function)(void), const char *(*excuse)(void));
+
 /// True while the running test has no failed check.
 bool check_clean(void);
 

@@ -2,6 +2,7 @@
 #include "command.h"
 #include "json.h"
 
+#include "linux/linux_camera.h"
 #include "linux/linux_can.h"
 #include "linux/linux_gpio.h"
 #include "linux/linux_gs_usb.h"
@@ -23,7 +24,7 @@ static const struct option options[] = {OPTION_JSON(struct settings)};
 struct found {
     const char *kind;
     char name[64];
-    char write[80]; ///< what to write into a rig file
+    char write[LINUX_CAMERA_PATH_BYTES + 16]; ///< what to write into a rig file
     char about[TEXT_BYTES];
     char first[TEXT_BYTES]; ///< what has to be done before; empty: nothing
 };
@@ -188,6 +189,58 @@ static unsigned probe_gs_usb(bool as_json) {
     return count;
 }
 
+/// "pan, tilt, zoom 100 to 500", or nothing.
+static void describe_controls(const struct linux_camera_info *camera, char *text, size_t size) {
+    size_t at = 0;
+    text[0] = '\0';
+    static const char *const names[] = {"pan", "tilt", "zoom"};
+    for (unsigned i = 0; i < HAL_CAMERA_CONTROLS && at < size; i++) {
+        if ((camera->controls & UINT32_C(1) << i) != 0U) {
+            at += (size_t)snprintf(text + at, size - at, "%s%s",
+                                   at > 0U ? ", " : "; moves itself: ", names[i]);
+        }
+    }
+    if ((camera->controls & UINT32_C(1) << HAL_CAMERA_ZOOM) != 0U && at < size) {
+        snprintf(text + at, size - at, " %d to %d", camera->zoom.min, camera->zoom.max);
+    }
+}
+
+/// A camera is a source of frames ([camera]), and its own axes are drives.
+static void describe_camera(const struct linux_camera_info *camera, struct found *found) {
+    static const char *const names[] = {"grey", "yuyv", "mjpeg"};
+    char formats[32] = "", controls[80];
+    size_t at = 0;
+    snprintf(found->name, sizeof found->name, "%.32s", camera->name);
+    snprintf(found->write, sizeof found->write, "device = %s", camera->path);
+    if (camera->error.line[0] != '\0') {
+        snprintf(found->about, sizeof found->about, "not looked at");
+        snprintf(found->first, sizeof found->first, "%.150s", camera->error.line);
+        return;
+    }
+    for (unsigned i = 0; i < 3U; i++) {
+        if ((camera->pixels & UINT32_C(2) << i) != 0U && at < sizeof formats) {
+            at += (size_t)snprintf(formats + at, sizeof formats - at, "%s%s", at > 0U ? ", " : "",
+                                   names[i]);
+        }
+    }
+    describe_controls(camera, controls, sizeof controls);
+    snprintf(found->about, sizeof found->about, "%s up to %ux%u%s%s",
+             camera->pixels != 0U ? formats : "no format that this program reads",
+             (unsigned)camera->width_px, (unsigned)camera->height_px, controls,
+             camera->controls != 0U ? " (drive = uvc)" : "");
+}
+
+static unsigned probe_camera(bool as_json) {
+    static struct linux_camera_info cameras[DEVICES_MAX];
+    const uint32_t count = linux_camera_list(cameras, DEVICES_MAX);
+    for (uint32_t i = 0; i < count && i < DEVICES_MAX; i++) {
+        struct found found = {.kind = "camera"};
+        describe_camera(&cameras[i], &found);
+        print_found(&found, as_json);
+    }
+    return count;
+}
+
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     size_t operands;
@@ -197,10 +250,11 @@ static enum exit_status run_command(const struct command *command, int argc, cha
     }
     const unsigned count = probe_can(settings.json) + probe_serial(settings.json) +
                            probe_pwm(settings.json) + probe_maestro(settings.json) +
-                           probe_gs_usb(settings.json) + probe_gpio(settings.json);
+                           probe_gs_usb(settings.json) + probe_gpio(settings.json) +
+                           probe_camera(settings.json);
     if (count == 0U) {
-        message_command(command->name, "no CAN interface, serial port, PWM chip, Maestro or GPIO "
-                                       "chip is here");
+        message_command(command->name, "no CAN interface, serial port, PWM chip, Maestro, GPIO "
+                                       "chip or camera is here");
     }
     if (linux_gpio_library() == NULL) {
         message_command(command->name, "GPIO chips are not looked for: built without libgpiod");
@@ -215,11 +269,11 @@ const struct command command_probe = {
     .name = "probe",
     .summary = "list the devices that a rig could use",
     .operands = "",
-    .help =
-        "Prints a line a device: its kind, its name, what to write into a rig file, what is\n"
-        "known of it, and what has to be done before it can be used. With --json, an object a\n"
-        "line. CAN interfaces, serial ports (of slcan adapters), PWM chips, Maestro servo\n"
-        "controllers, gs_usb CAN adapters and GPIO chips. Nothing is changed, and nothing moves.\n",
+    .help = "Prints a line a device: its kind, its name, what to write into a rig file, what is\n"
+            "known of it, and what has to be done before it can be used. With --json, an object a\n"
+            "line. CAN interfaces, serial ports (of slcan adapters), PWM chips, Maestro servo\n"
+            "controllers, gs_usb CAN adapters, GPIO chips and cameras. Nothing is changed, and\n"
+            "nothing moves.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

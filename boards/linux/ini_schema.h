@@ -35,8 +35,8 @@ enum ini_type {
 struct ini_key {
     const char *name;
     enum ini_type type;
-    /// The default, read as if it stood in the file; NULL: the key is required. Of a text, "" is
-    /// good too.
+    /// The default, read as if it stood in the file; NULL: the key is required. Of a text
+    /// or a list, "" is good too.
     const char *fallback;
     /// Numbers, and each of a list: bounds in the file's unit, and the factor to the stored one.
     const char *min, *max;

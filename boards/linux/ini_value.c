@@ -91,6 +91,9 @@ bool ini_value_choice(const struct ini_value *value, const char *const *choices,
 
 bool ini_value_texts(struct ini *ini, const struct ini_value *value, struct ini_texts *out) {
     out->count = 0;
+    if (value->line == 0U && value->text[0] == '\0') { // the default
+        return true;
+    }
     for (const char *at = value->text;; at++) {
         at += strspn(at, " \t");
         const size_t length = strcspn(at, ",");

@@ -3,6 +3,7 @@
 #include "rig_schema.h"
 
 #include "drive/rmd.h"
+#include "linux/linux_camera_servo.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -77,6 +78,26 @@ static bool build_pwm(const struct ini *ini, const char *name, const struct rig_
     return true;
 }
 
+/// A turn has so many arc-seconds, and each is a nanosecond of pulse.
+#define TURN_ARCSEC 1296000
+
+/// A camera's own axis: half a turn to either side, whatever it can do of that; its channels are in
+/// the order of the axes.
+static bool build_uvc(const struct ini *ini, unsigned axis, const struct rig_axis *from,
+                      struct drive_pwm_config *pwm) {
+    if (from->limit_min_q48 < -AXIS_TURN_Q48 / 2 || from->limit_max_q48 > AXIS_TURN_Q48 / 2) {
+        ini_complain(ini, axis_names[axis], "", "drive",
+                     "is uvc: its limits are at most 180 degrees to either side");
+        return false;
+    }
+    *pwm = (struct drive_pwm_config){.channel = axis,
+                                     .low_q48 = -AXIS_TURN_Q48 / 2,
+                                     .high_q48 = AXIS_TURN_Q48 / 2,
+                                     .low_pulse_ns = LINUX_CAMERA_SERVO_ZERO_NS - TURN_ARCSEC / 2,
+                                     .high_pulse_ns = LINUX_CAMERA_SERVO_ZERO_NS + TURN_ARCSEC / 2};
+    return true;
+}
+
 static bool build_axis(const struct rig_file *file, const struct ini *ini, unsigned axis,
                        struct rig *rig) {
     const struct rig_axis *from = &file->axis[axis];
@@ -98,6 +119,11 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         to->drive.kind = DRIVE_PWM;
         return build_pwm(ini, name, from, &to->drive.pwm);
     }
+    if (from->drive == RIG_DRIVE_UVC) {
+        rig->is_uvc[axis] = true;
+        to->drive.kind = DRIVE_PWM;
+        return build_uvc(ini, axis, from, &to->drive.pwm);
+    }
     // A little above our own limit: a drive that lags needs some speed to catch up.
     const double speed_dps = (double)from->speed_q48 * 360.0 / 281474976710656.0;
     to->drive.kind = DRIVE_RMD;
@@ -115,26 +141,26 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
 
 /// The lens' axis runs in proportion to its pulse width: 0 at the first, one turn at the last
 /// calibrated point.
-static bool build_lens(const struct rig_file *file, const struct ini *ini, struct rig *rig) {
-    const struct rig_zoom *from = &file->zoom;
+static bool build_lens(const struct rig_zoom *from, const struct ini_numbers *pulse_ns,
+                       const char *key, const struct ini *ini, struct rig *rig) {
     struct lens_config *lens = &rig->controller.lens;
     const uint32_t count = from->focal_um.count;
-    if (count != from->pulse_ns.count || count < 2U || count > LENS_TABLE_MAX) {
+    if (count != pulse_ns->count || count < 2U || count > LENS_TABLE_MAX) {
         ini_complain(ini, "zoom", "", "focal_mm",
-                     "and pulse_us need as many values as each other, 2 to %u", LENS_TABLE_MAX);
+                     "and %s need as many values as each other, 2 to %u", key, LENS_TABLE_MAX);
         return false;
     }
-    const int64_t first = from->pulse_ns.item[0], last = from->pulse_ns.item[count - 1U];
+    const int64_t first = pulse_ns->item[0], last = pulse_ns->item[count - 1U];
     lens->point_count = count;
     for (uint32_t i = 0; i < count; i++) {
-        const int64_t part = from->pulse_ns.item[i] - first, whole = last - first;
+        const int64_t part = pulse_ns->item[i] - first, whole = last - first;
         lens->point[i].focal_um = (uint32_t)from->focal_um.item[i];
         lens->point[i].position_q48 =
             whole == 0 ? 0 : (int64_t)((wide)part * AXIS_TURN_Q48 / whole);
     }
     if (first == last || !lens_valid(lens)) {
-        ini_complain(ini, "zoom", "", first == last ? "pulse_us" : "focal_mm",
-                     "must rise from point to point (pulse_us may also fall)");
+        ini_complain(ini, "zoom", "", first == last ? key : "focal_mm",
+                     "must rise from point to point (%s may also fall)", key);
         return false;
     }
     return true;
@@ -160,15 +186,24 @@ static bool build_zoom(const struct rig_file *file, const struct ini *ini, struc
     zoom->limits.accel_max_q48 += zoom->limits.accel_max_q48 == 0;
     zoom->drive.kind = DRIVE_PWM;
     rig->device[AXIS_ZOOM] = from->device;
-    if (!build_lens(file, ini, rig)) {
+    struct ini_numbers pulse_ns = from->pulse_ns;
+    rig->is_uvc[AXIS_ZOOM] = from->drive == RIG_ZOOM_UVC;
+    if (rig->is_uvc[AXIS_ZOOM]) {
+        pulse_ns = from->units;
+        for (uint32_t i = 0; i < pulse_ns.count; i++) {
+            pulse_ns.item[i] += LINUX_CAMERA_SERVO_ZERO_NS;
+        }
+    }
+    if (!build_lens(from, &pulse_ns, rig->is_uvc[AXIS_ZOOM] ? "zoom_units" : "pulse_us", ini,
+                    rig)) {
         return false;
     }
     zoom->drive.pwm = (struct drive_pwm_config){
-        .channel = (uint32_t)from->channel,
+        .channel = rig->is_uvc[AXIS_ZOOM] ? (uint32_t)AXIS_ZOOM : (uint32_t)from->channel,
         .low_q48 = 0,
         .high_q48 = AXIS_TURN_Q48,
-        .low_pulse_ns = (uint32_t)from->pulse_ns.item[0],
-        .high_pulse_ns = (uint32_t)from->pulse_ns.item[from->pulse_ns.count - 1U]};
+        .low_pulse_ns = (uint32_t)pulse_ns.item[0],
+        .high_pulse_ns = (uint32_t)pulse_ns.item[pulse_ns.count - 1U]};
     return true;
 }
 

@@ -14,7 +14,8 @@ struct rig {
     struct ini ini; ///< keeps the texts
     struct controller_config controller;
     const char *bus[2];             ///< of pan and tilt, as in the file: "fake" or "can:NAME"
-    const char *device[3];          ///< of PWM axes: "fake", or a PWM chip
+    const char *device[3];          ///< of PWM axes: "fake", a PWM chip, a camera
+    bool is_uvc[3];                 ///< a camera's own axis: driven as PWM (linux_camera_servo.h)
     const char *estop, *enable;     ///< lines, see rig_lines.h; empty: none
     const char *limit_switch[2][2]; ///< of pan and tilt, at the lower and the upper end
     uint32_t debounce_us;

@@ -41,17 +41,63 @@ static enum hal_status output_set_pulse(void *ctx, uint32_t axis, uint32_t pulse
     return hal_pwm_set_pulse(pwm, output->channel, pulse_ns);
 }
 
+/// Whether a camera's own axis goes where the rig may send it.
+static enum hal_status check_reach(struct rig_devices *devices, struct linux_camera *camera,
+                                   unsigned axis) {
+    const struct rig_output *output = &devices->output[axis];
+    struct hal_camera_range range;
+    char reason[120];
+    const enum hal_status status =
+        hal_camera_control_range(&camera->hal, (enum hal_camera_control)output->channel, &range);
+    if (status == HAL_ERROR_UNSUPPORTED) {
+        snprintf(reason, sizeof reason, "the camera has no %s of its own", axis_names[axis]);
+        linux_error_set(&devices->error, camera->path, reason, "`boresight probe` shows its axes");
+        return status;
+    }
+    const int64_t zero = LINUX_CAMERA_SERVO_ZERO_NS;
+    if (status != HAL_OK ||
+        (output->pulse_ns_min >= range.min + zero && output->pulse_ns_max <= range.max + zero)) {
+        return status;
+    }
+    if (axis == AXIS_ZOOM) {
+        snprintf(reason, sizeof reason, "its zoom goes from %d to %d", range.min, range.max);
+    } else {
+        snprintf(reason, sizeof reason, "its %s goes from %.2f to %.2f degrees", axis_names[axis],
+                 range.min / 3600.0, range.max / 3600.0);
+    }
+    linux_error_set(&devices->error, camera->path, reason,
+                    axis == AXIS_ZOOM ? "set zoom_units" : "set limit_min_deg and limit_max_deg");
+    return HAL_ERROR_UNSUPPORTED;
+}
+
+static enum hal_status open_camera(struct rig_devices *devices, struct rig_output_device *device) {
+    enum hal_status status = linux_camera_open(&device->camera, device->text, &devices->clock.hal);
+    devices->error = device->camera.error;
+    if (linux_camera_servo_bind(&device->servo, &device->camera.hal) != HAL_OK) {
+        abort(); // can't be: its table is complete
+    }
+    device->hal = &device->servo.hal;
+    for (unsigned axis = 0; axis < AXIS_COUNT && status == HAL_OK; axis++) {
+        if (devices->output[axis].device == device) {
+            status = check_reach(devices, &device->camera, axis);
+        }
+    }
+    return status;
+}
+
 static enum hal_status open_output(struct rig_devices *devices, struct rig_output_device *device) {
     enum hal_status status;
     if (device->kind == RIG_OUTPUT_PWM) {
         status = linux_pwm_open(&device->pwm, LINUX_PWM_ROOT, device->text, device->channels);
         devices->error = device->pwm.error;
         device->hal = &device->pwm.hal;
-    } else {
+    } else if (device->kind == RIG_OUTPUT_MAESTRO) {
         const char *colon = strchr(device->text, ':');
         status = linux_maestro_open(&device->maestro, colon != NULL ? colon + 1 : NULL);
         devices->error = device->maestro.error;
         device->hal = &device->maestro.hal;
+    } else {
+        status = open_camera(devices, device);
     }
     for (unsigned axis = 0; axis < AXIS_COUNT && status == HAL_OK; axis++) {
         const struct rig_output *output = &devices->output[axis];
@@ -69,26 +115,41 @@ static enum hal_status open_output(struct rig_devices *devices, struct rig_outpu
 static void close_output(struct rig_output_device *device) {
     if (device->kind == RIG_OUTPUT_PWM) {
         linux_pwm_close(&device->pwm);
-    } else {
+    } else if (device->kind == RIG_OUTPUT_MAESTRO) {
         linux_maestro_close(&device->maestro);
+    } else {
+        linux_camera_close(&device->camera);
     }
 }
 
 /// The entry of a device of that name, which axes may share.
-static struct rig_output_device *device_of(struct rig_devices *devices, const char *text) {
+static struct rig_output_device *device_of(struct rig_devices *devices, const char *text,
+                                           bool is_camera) {
     for (unsigned i = 0; i < devices->device_count; i++) {
-        if (strcmp(devices->device[i].text, text) == 0) {
+        if ((devices->device[i].kind == RIG_OUTPUT_CAMERA) == is_camera &&
+            strcmp(devices->device[i].text, text) == 0) {
             return &devices->device[i];
         }
     }
     const bool maestro = strcmp(text, "maestro") == 0 || strncmp(text, "maestro:", 8) == 0;
-    if (!maestro && strncmp(text, "pwmchip", 7) != 0) {
+    if (!is_camera && !maestro && strncmp(text, "pwmchip", 7) != 0) {
         return NULL;
     }
     struct rig_output_device *device = &devices->device[devices->device_count++];
-    device->kind = maestro ? RIG_OUTPUT_MAESTRO : RIG_OUTPUT_PWM;
+    device->kind = is_camera ? RIG_OUTPUT_CAMERA : maestro ? RIG_OUTPUT_MAESTRO : RIG_OUTPUT_PWM;
     device->text = text;
     return device;
+}
+
+/// The pulses at the ends of the axis' limits.
+static void note_reach(struct rig_output *output, const struct controller_axis_config *axis) {
+    const struct drive_pwm_config *pwm = &axis->drive.pwm;
+    const double slope =
+        ((double)pwm->high_pulse_ns - pwm->low_pulse_ns) / (double)(pwm->high_q48 - pwm->low_q48);
+    const double a = pwm->low_pulse_ns + slope * (double)(axis->limits.min_q48 - pwm->low_q48);
+    const double b = pwm->low_pulse_ns + slope * (double)(axis->limits.max_q48 - pwm->low_q48);
+    output->pulse_ns_min = (uint32_t)((a < b ? a : b) + 0.5);
+    output->pulse_ns_max = (uint32_t)((a < b ? b : a) + 0.5);
 }
 
 static bool find_outputs(struct rig_devices *devices, struct rig *rig) {
@@ -104,7 +165,8 @@ static bool find_outputs(struct rig_devices *devices, struct rig *rig) {
         if (strcmp(rig->device[axis], "fake") == 0) {
             continue;
         }
-        output->device = device_of(devices, rig->device[axis]);
+        note_reach(output, &rig->controller.axis[axis]);
+        output->device = device_of(devices, rig->device[axis], rig->is_uvc[axis]);
         if (output->device == NULL) {
             ini_complain(&rig->ini, axis_names[axis], "", "device",
                          "is '%s'; it has to be pwmchipN, maestro, maestro:SERIAL or fake",
@@ -173,8 +235,9 @@ const char *rig_devices_newly_lost(struct rig_devices *devices) {
         if (device != NULL && !device->lost &&
             hal_pwm_limits(device->hal, output->channel, &limits) == HAL_ERROR_GONE) {
             device->lost = true;
-            devices->error =
-                device->kind == RIG_OUTPUT_PWM ? device->pwm.error : device->maestro.error;
+            devices->error = device->kind == RIG_OUTPUT_PWM       ? device->pwm.error
+                             : device->kind == RIG_OUTPUT_MAESTRO ? device->maestro.error
+                                                                  : device->camera.error;
             return devices->error.line;
         }
     }

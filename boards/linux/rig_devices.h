@@ -2,10 +2,10 @@
 /// simulated.
 ///
 /// Buses are those of rig_bus.h. `device = pwmchipN` is a PWM chip of the kernel's,
-/// `device = maestro` (or maestro:SERIAL) a USB servo controller; `fake` outputs next to real
-/// devices go nowhere. A device that leaves while the rig runs answers HAL_ERROR_GONE;
-/// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
-/// last.
+/// `device = maestro` (or maestro:SERIAL) a USB servo controller; with `drive = uvc` it is a
+/// camera, by its path or name. `fake` outputs next to real devices go nowhere. A device that
+/// leaves while the rig runs answers HAL_ERROR_GONE; rig_devices_mend opens it again when it is
+/// back, and outputs get the pulses that were asked for last.
 #ifndef LINUX_RIG_DEVICES_H
 #define LINUX_RIG_DEVICES_H
 
@@ -14,13 +14,15 @@
 #include "rig_bus.h"
 
 #include "app/pump.h"
+#include "linux/linux_camera.h"
+#include "linux/linux_camera_servo.h"
 #include "linux/linux_clock.h"
 #include "linux/linux_maestro.h"
 #include "linux/linux_pwm.h"
 
 #include <stdbool.h>
 
-enum rig_output_kind { RIG_OUTPUT_PWM, RIG_OUTPUT_MAESTRO };
+enum rig_output_kind { RIG_OUTPUT_PWM, RIG_OUTPUT_MAESTRO, RIG_OUTPUT_CAMERA };
 
 /// A device with outputs; several axes may share one.
 struct rig_output_device {
@@ -29,6 +31,8 @@ struct rig_output_device {
     uint32_t channels; ///< a bit each
     struct linux_pwm pwm;
     struct linux_maestro maestro;
+    struct linux_camera camera;
+    struct linux_camera_servo servo;
     const struct hal_pwm *hal;
     bool lost;
 };
@@ -37,7 +41,8 @@ struct rig_output_device {
 struct rig_output {
     struct rig_output_device *device; ///< NULL: nowhere
     uint32_t channel;
-    uint32_t pulse_ns; ///< as last asked for, for a device that comes back
+    uint32_t pulse_ns;                   ///< as last asked for, for a device that comes back
+    uint32_t pulse_ns_min, pulse_ns_max; ///< that its axis will ask for; of cameras
 };
 
 struct rig_devices {

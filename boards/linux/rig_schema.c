@@ -7,8 +7,8 @@
 #define TURN_Q48 (UINT64_C(1) << 48)
 #define TURN_BAM (UINT64_C(1) << 32)
 
-static const char *const drives[] = {"rmd", "pwm", "fake", NULL};
-static const char *const zoom_drives[] = {"pwm", NULL};
+static const char *const drives[] = {"rmd", "pwm", "fake", "uvc", NULL};
+static const char *const zoom_drives[] = {"pwm", "uvc", NULL};
 static const char *const builds[] = {"same", "any", NULL};
 static const char *const dialects[] = {"v3", "lktech", NULL};
 
@@ -58,7 +58,8 @@ static const struct ini_key axis_keys[] = {
      .type = INI_CHOICE,
      .choices = drives,
      AXIS(drive),
-     .help = "rmd: MyActuator servo on CAN; pwm: hobby servo; fake: an rmd drive of the simulator"},
+     .help = "rmd: MyActuator servo on CAN; pwm: hobby servo; uvc: a camera that turns itself; "
+             "fake: an rmd drive of the simulator"},
     {.name = "bus",
      .type = INI_TEXT,
      .fallback = "fake",
@@ -94,7 +95,8 @@ static const struct ini_key axis_keys[] = {
      .type = INI_TEXT,
      .fallback = "fake",
      AXIS(device),
-     .help = "pwm: pwmchipN, maestro, maestro:SERIAL, or fake for the simulator's"},
+     .help = "pwm: pwmchipN, maestro, maestro:SERIAL; uvc: /dev/videoN or the camera's name; or "
+             "fake for the simulator's"},
     {.name = "channel",
      .type = INI_WHOLE,
      .fallback = "0",
@@ -139,7 +141,7 @@ static const struct ini_key axis_keys[] = {
      .max = "3600",
      DEGREES_Q48,
      AXIS(home_q48),
-     .help = "pwm: where the servo goes when it is first powered"},
+     .help = "pwm, uvc: where it goes when it is first powered"},
     {.name = "speed_max_dps",
      .type = INI_DECIMAL,
      .min = "0.001",
@@ -181,19 +183,20 @@ static const struct ini_key zoom_keys[] = {
      .type = INI_CHOICE,
      .choices = zoom_drives,
      ZOOM(drive),
-     .help = "pwm: a zoom servo"},
+     .help = "pwm: a zoom servo; uvc: the camera's own zoom"},
     {.name = "device",
      .type = INI_TEXT,
      .fallback = "fake",
      ZOOM(device),
-     .help = "pwmchipN, maestro, maestro:SERIAL, or fake for the simulator's"},
+     .help = "pwm: pwmchipN, maestro, maestro:SERIAL; uvc: /dev/videoN or the camera's name; or "
+             "fake for the simulator's"},
     {.name = "channel",
      .type = INI_WHOLE,
      .fallback = "2",
      .min = "0",
      .max = "63",
      ZOOM(channel),
-     .help = "number of the output"},
+     .help = "pwm: number of the output"},
     {.name = "focal_mm",
      .type = INI_DECIMAL_LIST,
      .min = "0.1",
@@ -203,11 +206,20 @@ static const struct ini_key zoom_keys[] = {
      .help = "calibrated focal lengths, rising"},
     {.name = "pulse_us",
      .type = INI_DECIMAL_LIST,
+     .fallback = "",
      .min = "100",
      .max = "19000",
      .numerator = 1000,
      ZOOM(pulse_ns),
-     .help = "the pulse widths that give them, rising or falling"},
+     .help = "pwm: the pulse widths that give them, rising or falling"},
+    {.name = "zoom_units",
+     .type = INI_DECIMAL_LIST,
+     .fallback = "",
+     .min = "-1000000",
+     .max = "1000000",
+     .numerator = 1,
+     ZOOM(units),
+     .help = "uvc: the camera's zoom values that give them, rising or falling"},
     {.name = "travel_s",
      .type = INI_DECIMAL,
      .fallback = "2",

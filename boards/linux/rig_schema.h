@@ -26,7 +26,7 @@ struct rig_zoom {
     int drive;
     const char *device;
     int64_t channel;
-    struct ini_numbers focal_um, pulse_ns;
+    struct ini_numbers focal_um, pulse_ns, units;
     int64_t travel_us, ramp_us;
 };
 
@@ -62,7 +62,8 @@ struct rig_file {
     struct rig_safety safety;
 };
 
-enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE };
+enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE, RIG_DRIVE_UVC };
+enum rig_zoom_drive { RIG_ZOOM_PWM, RIG_ZOOM_UVC };
 
 enum rig_board_build { RIG_BOARD_SAME, RIG_BOARD_ANY };
 

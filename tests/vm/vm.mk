@@ -1,7 +1,7 @@
 # The tests in the virtual machine. tests/README.md explains it.
 
 # Groups (tests/vm/guest/GROUP.sh), in the order in which they run.
-vm_groups := can gpio usb run rig buses
+vm_groups := can gpio usb run rig buses camera
 vm_programs := $(vm_test_c:%.c=$(B)/gcc/%)
 
 # Without what it needs they are skipped, by name.

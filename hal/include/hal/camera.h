@@ -106,7 +106,8 @@ hal_camera_bind(struct hal_camera *camera, const struct hal_camera_ops *ops, voi
 /// what the device will give, as near as it can: compare, and do without the camera if that won't
 /// do.
 /// Returns:  HAL_OK; HAL_BUSY: stop first; HAL_ERROR_UNSUPPORTED: it has no format that this header
-///           knows; HAL_ERROR_IO, HAL_ERROR_GONE. *format is changed with HAL_OK only.
+///           knows; HAL_ERROR_DENIED: another program has it; HAL_ERROR_IO, HAL_ERROR_GONE.
+///           *format is changed with HAL_OK only.
 /// Cost:     at start-up only: may take milliseconds on Linux.
 MUST_CHECK static inline enum hal_status hal_camera_negotiate(const struct hal_camera *camera,
                                                               struct hal_camera_format *format) {
@@ -117,8 +118,8 @@ MUST_CHECK static inline enum hal_status hal_camera_negotiate(const struct hal_c
 }
 
 /// Begins to stream in the negotiated format; with no effect if it streams.
-/// Returns:  HAL_OK; HAL_ERROR_ARGUMENT: not negotiated; HAL_ERROR_IO (on Linux also: not enough
-///           USB bandwidth), HAL_ERROR_GONE.
+/// Returns:  HAL_OK; HAL_ERROR_ARGUMENT: not negotiated; HAL_ERROR_DENIED: another program has it;
+///           HAL_ERROR_IO (on Linux also: not enough USB bandwidth), HAL_ERROR_GONE.
 /// Cost:     may take milliseconds on Linux.
 MUST_CHECK static inline enum hal_status hal_camera_start(const struct hal_camera *camera) {
     return camera->ops->start(camera->ctx);

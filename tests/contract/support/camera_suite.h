@@ -20,6 +20,8 @@ struct camera_fixture {
     /// Lets a moment of real or virtual time pass, at most a quarter of format.interval_us.
     void (*settle)(void *context);
     void (*unplug)(void *context);
+    /// Of rigs in real time: see check_run_timed. null: time is virtual.
+    const char *(*excuse)(void);
     /// See contract.h.
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };

@@ -18,6 +18,15 @@ void contract_run(const char *device, const char *test, void (*function)(void)) 
     check_run(full_name(device, test), function);
 }
 
+void contract_run_timed(const char *device, const char *test, void (*function)(void),
+                        const char *(*excuse)(void)) {
+    if (excuse == NULL) {
+        contract_run(device, test, function);
+    } else {
+        check_run_timed(full_name(device, test), function, excuse);
+    }
+}
+
 void contract_skip(const char *device, const char *test, const char *why) {
     const char *const parts[] = {"SKIP ", full_name(device, test), ": ", why, "\n"};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {

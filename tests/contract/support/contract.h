@@ -21,6 +21,10 @@
 /// Prints the verdict as DEVICE.TEST.
 void contract_run(const char *device, const char *test, void (*function)(void));
 
+/// The same for a test that needs a machine that does not pause (check.h); excuse NULL: it doesn't.
+void contract_run_timed(const char *device, const char *test, void (*function)(void),
+                        const char *(*excuse)(void));
+
 /// Prints `SKIP DEVICE.TEST: WHY`.
 void contract_skip(const char *device, const char *test, const char *why);
 
