@@ -11,6 +11,9 @@
 #define MARGIN_TURN64 (UINT64_C(1) << 35)
 #define HALF_TURN64   (UINT64_C(1) << 63)
 
+/// An entry of the stack: `next` is a node of the overlay.
+#define OVERLAY_NODES (OVERLAY_NONE - 1U)
+
 /// The set is never filled by points within the margin alone.
 #define MARGIN_SET_MOST (SCENE_AIM_SET - 64U)
 #define SEARCHES_MOST   1000U
@@ -28,6 +31,7 @@ struct aim {
     uint64_t cone_turn64;  ///< beyond this a point is outside
     uint64_t best_turn64;  ///< the farthest point outside so far
     uint32_t best;         ///< its reference
+    uint32_t best_item;
     struct vec3 best_direction;
 };
 
@@ -58,33 +62,45 @@ static uint64_t covered_by(struct vec3 d, uint32_t radius) {
     return trig_atan2_turn64((uint64_t)radius << 31, tangent) + SLACK_TURN64 / 4U;
 }
 
-static uint64_t bound_of(const struct aim *aim, const struct tree_node *node) {
-    const struct vec3 d = from_eye(aim, node->x, node->y, node->z);
-    const uint64_t covered = covered_by(d, node->radius);
+static uint64_t bound_of(const struct aim *aim, struct vec3 center, uint32_t radius) {
+    const struct vec3 d = from_eye(aim, center.x, center.y, center.z);
+    const uint64_t covered = covered_by(d, radius);
     const uint64_t bound =
         covered >= HALF_TURN64 ? HALF_TURN64 : angle_of(aim->axis_q30, d) + covered + SLACK_TURN64;
     return bound < HALF_TURN64 ? bound : HALF_TURN64;
 }
 
-static bool is_in_set(const struct aim *aim, uint32_t reference) {
+/// How far the overlay moves an item's points.
+static struct vec3 offset_of(const struct aim *aim, uint32_t item) {
+    return item == OVERLAY_NONE ? vec3(0, 0, 0) : aim->options->overlay->items[item].offset;
+}
+
+static uint64_t bound_of_node(const struct aim *aim, uint32_t index, uint32_t item) {
+    const struct tree_node *const node = &aim->tree->nodes[index];
+    return bound_of(aim, overlay_place(tree_center(node), offset_of(aim, item)), node->radius);
+}
+
+static bool is_in_set(const struct aim *aim, uint32_t reference, uint32_t item) {
     for (uint32_t i = 0; i < aim->set_count; i++) {
-        if (aim->memory->reference[i] == reference) {
+        if (aim->memory->reference[i] == reference && aim->memory->item[i] == item) {
             return true;
         }
     }
     return false;
 }
 
-static void add_to_set(struct aim *aim, uint32_t reference, struct vec3 direction) {
+static void add_to_set(struct aim *aim, uint32_t reference, uint32_t item, struct vec3 direction) {
     aim->memory->reference[aim->set_count] = reference;
+    aim->memory->item[aim->set_count] = item;
     aim->memory->direction[aim->set_count++] = direction;
 }
 
 /// A point is read. False: it is at the viewpoint.
-static bool meet(struct aim *aim, uint32_t reference, struct vec3 d) {
+static bool meet(struct aim *aim, uint32_t reference, uint32_t item, struct vec3 d) {
     aim->result->point_reads++;
     if (vec3_is_zero(d)) {
         aim->result->reference[0] = reference;
+        aim->result->item[0] = item;
         return false;
     }
     const uint64_t angle = angle_of(aim->axis_q30, d);
@@ -95,60 +111,114 @@ static bool meet(struct aim *aim, uint32_t reference, struct vec3 d) {
         if (angle > aim->best_turn64) {
             aim->best_turn64 = angle;
             aim->best = reference;
+            aim->best_item = item;
             aim->best_direction = d;
             aim->least_turn64 = angle;
         }
-    } else if (aim->set_count < MARGIN_SET_MOST && !is_in_set(aim, reference)) {
-        add_to_set(aim, reference, d);
+    } else if (aim->set_count < MARGIN_SET_MOST && !is_in_set(aim, reference, item)) {
+        add_to_set(aim, reference, item, d);
     }
     return true;
 }
 
-/// Puts nodes on the stack, of a few the one with the largest bound last, which comes off first.
-static void push(struct aim *aim, uint32_t first, uint32_t count) {
+/// Puts an entry on the stack, above `base` in the order of the bounds: the largest on top.
+static void push_sorted(struct aim *aim, uint32_t base, struct scene_aim_entry entry) {
+    struct scene_aim_entry *const stack = aim->memory->stack;
+    if (entry.bound_turn64 <= aim->least_turn64) {
+        return;
+    }
+    uint32_t at = aim->stack_count++;
+    for (; at > base && stack[at - 1U].bound_turn64 > entry.bound_turn64; at--) {
+        stack[at] = stack[at - 1U];
+    }
+    stack[at] = entry;
+}
+
+/// An object in its place is left out if it is away from there.
+static bool is_left_out(const struct aim *aim, uint32_t node, uint32_t item) {
+    return item == OVERLAY_NONE &&
+           overlay_is_away(aim->options->overlay, aim->tree->nodes[node].part);
+}
+
+/// Puts nodes on the stack: a few sorted, many as one entry.
+static void push(struct aim *aim, uint32_t first, uint32_t count, uint32_t item) {
     struct scene_aim_entry *const stack = aim->memory->stack;
     if (count > 8U || aim->stack_count + count >= SCENE_AIM_STACK) {
-        stack[aim->stack_count++] = (struct scene_aim_entry){HALF_TURN64, first, first + count};
+        stack[aim->stack_count++] =
+            (struct scene_aim_entry){HALF_TURN64, first, first + count, item};
         return;
     }
     const uint32_t base = aim->stack_count;
     for (uint32_t i = first; i < first + count; i++) {
-        const uint64_t bound = bound_of(aim, &aim->tree->nodes[i]);
-        if (bound <= aim->least_turn64) {
-            continue;
+        if (!is_left_out(aim, i, item)) {
+            push_sorted(aim, base,
+                        (struct scene_aim_entry){bound_of_node(aim, i, item), i, i + 1U, item});
         }
-        uint32_t at = aim->stack_count++;
-        for (; at > base && stack[at - 1U].bound_turn64 > bound; at--) {
-            stack[at] = stack[at - 1U];
-        }
-        stack[at] = (struct scene_aim_entry){bound, i, i + 1U};
     }
 }
 
+static void push_overlay(struct aim *aim, uint32_t base, uint32_t index) {
+    const struct overlay_sphere *const s = &aim->options->overlay->nodes[index].sphere;
+    push_sorted(aim, base,
+                (struct scene_aim_entry){bound_of(aim, s->center, s->radius), index, index + 1U,
+                                         OVERLAY_NODES});
+}
+
 /// False: a point is at the viewpoint.
-static bool open_node(struct aim *aim, uint32_t index) {
-    const struct tree_node *const node = &aim->tree->nodes[index];
-    uint32_t px_q8 = UINT32_MAX, distance = 0;
-    if (aim->options->focal_px_q8 != 0U) {
-        px_q8 = view_straight_px_q8(aim->options->focal_px_q8, aim->options->eye, tree_center(node),
-                                    node->radius);
-        distance = view_distance(aim->options->eye, tree_center(node));
-    }
-    const struct tree_description *const d = view_choose(aim->tree, node, px_q8, distance);
-    aim->result->nodes_opened++;
-    if (tree_kind(d) == TREE_NODES) {
-        push(aim, d->first, d->count);
-    } else if (tree_kind(d) == TREE_CENTER) {
-        aim->result->loss_px_q8 = px_q8 > aim->result->loss_px_q8 ? px_q8 : aim->result->loss_px_q8;
-        return meet(aim, index | SCENE_AIM_CENTER, from_eye(aim, node->x, node->y, node->z));
-    }
-    for (uint32_t i = d->first; tree_kind(d) == TREE_POINTS && i < d->first + d->count; i++) {
-        const struct tree_point *const p = &aim->tree->points[i];
-        if (!meet(aim, i, from_eye(aim, p->x, p->y, p->z))) {
+static bool meet_points(struct aim *aim, const struct tree_point *points, uint32_t first,
+                        uint32_t count, uint32_t item) {
+    const struct vec3 offset = offset_of(aim, item);
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct vec3 p = overlay_place(vec3(points[i].x, points[i].y, points[i].z), offset);
+        if (!meet(aim, i, item, from_eye(aim, p.x, p.y, p.z))) {
             return false;
         }
     }
     return true;
+}
+
+/// False: a point is at the viewpoint.
+static bool open_overlay(struct aim *aim, uint32_t index) {
+    const struct overlay *const o = aim->options->overlay;
+    const struct overlay_node *const node = &o->nodes[index];
+    aim->result->nodes_opened++;
+    if (node->child[0] != OVERLAY_NONE) {
+        const uint32_t base = aim->stack_count;
+        push_overlay(aim, base, node->child[0]);
+        push_overlay(aim, base, node->child[1]);
+        return true;
+    }
+    const struct overlay_item *const item = &o->items[node->child[1]];
+    if (item->points != NULL) {
+        return meet_points(aim, item->points, 0, item->part_or_count, node->child[1]);
+    }
+    push(aim, aim->tree->parts[item->part_or_count].node, 1, node->child[1]);
+    return true;
+}
+
+/// False: a point is at the viewpoint.
+static bool open_node(struct aim *aim, uint32_t index, uint32_t item) {
+    const struct tree_node *const node = &aim->tree->nodes[index];
+    const struct vec3 center = overlay_place(tree_center(node), offset_of(aim, item));
+    uint32_t px_q8 = UINT32_MAX, distance = 0;
+    if (aim->options->focal_px_q8 != 0U) {
+        px_q8 =
+            view_straight_px_q8(aim->options->focal_px_q8, aim->options->eye, center, node->radius);
+        distance = view_distance(aim->options->eye, center);
+    }
+    const struct tree_description *const d = view_choose(aim->tree, node, px_q8, distance);
+    aim->result->nodes_opened++;
+    switch (tree_kind(d)) {
+    case TREE_NODES:
+        push(aim, d->first, d->count, item);
+        return true;
+    case TREE_CENTER:
+        aim->result->loss_px_q8 = px_q8 > aim->result->loss_px_q8 ? px_q8 : aim->result->loss_px_q8;
+        return meet(aim, index | SCENE_AIM_CENTER, item,
+                    from_eye(aim, center.x, center.y, center.z));
+    default:
+        return meet_points(aim, aim->tree->points, d->first, d->count, item);
+    }
 }
 
 /// Looks for the farthest point outside the cone; takes in what is within the margin. False: a
@@ -160,18 +230,25 @@ static bool search(struct aim *aim, uint64_t cone_turn64) {
     aim->best = UINT32_MAX;
     aim->stack_count = 0;
     aim->result->searches++;
-    push(aim, 0, 1);
+    if (aim->tree->header->node_count != 0U) {
+        push(aim, 0, 1, OVERLAY_NONE);
+    }
+    if (overlay_root(aim->options->overlay) != OVERLAY_NONE) {
+        push_overlay(aim, 0, overlay_root(aim->options->overlay));
+    }
     while (aim->stack_count != 0U) {
         struct scene_aim_entry *const top = &aim->memory->stack[aim->stack_count - 1U];
-        const uint32_t node = top->next++;
-        const bool range = top->bound_turn64 == HALF_TURN64 && top->end > node + 1U;
+        const uint32_t node = top->next++, item = top->item;
         uint64_t bound = top->bound_turn64;
-        if (!range) {
+        if (top->end == node + 1U) {
             aim->stack_count--;
-        } else {
-            bound = bound_of(aim, &aim->tree->nodes[node]);
+        } else { // of several nodes: this one's own
+            bound = is_left_out(aim, node, item) ? 0U : bound_of_node(aim, node, item);
         }
-        if ((bound > aim->least_turn64 || bound == HALF_TURN64) && !open_node(aim, node)) {
+        if (bound <= aim->least_turn64 && bound != HALF_TURN64) {
+            continue;
+        }
+        if (!(item == OVERLAY_NODES ? open_overlay(aim, node) : open_node(aim, node, item))) {
             return false;
         }
     }
@@ -184,11 +261,12 @@ static void enter(struct aim *aim) {
         const struct cone_result *const cone = &aim->result->cone;
         for (uint32_t i = 0; i < cone->support_count; i++) { // ascending: never onto a later one
             aim->memory->reference[i] = aim->memory->reference[cone->support[i]];
+            aim->memory->item[i] = aim->memory->item[cone->support[i]];
             aim->memory->direction[i] = aim->memory->direction[cone->support[i]];
         }
         aim->set_count = cone->support_count;
     }
-    add_to_set(aim, aim->best, aim->best_direction);
+    add_to_set(aim, aim->best, aim->best_item, aim->best_direction);
 }
 
 static enum cone_status solve(struct aim *aim) {
@@ -201,8 +279,8 @@ static enum cone_status solve(struct aim *aim) {
     return status;
 }
 
-/// The set to begin with: what the caller knows, or the point farthest from the root's middle.
-static bool begin(struct aim *aim) {
+/// Takes the points that the caller knows into the set. Everything is in its place.
+static void take_warm(struct aim *aim) {
     for (uint32_t i = 0; i < aim->options->warm_count && i < 4U; i++) {
         const uint32_t reference = aim->options->warm[i], index = reference & ~SCENE_AIM_CENTER;
         struct vec3 d = vec3(0, 0, 0);
@@ -216,15 +294,36 @@ static bool begin(struct aim *aim) {
             const struct tree_point *const p = &aim->tree->points[index];
             d = from_eye(aim, p->x, p->y, p->z);
         }
-        if (!vec3_is_zero(d) && !is_in_set(aim, reference)) {
+        if (!vec3_is_zero(d) && !is_in_set(aim, reference, OVERLAY_NONE)) {
             aim->result->point_reads++;
-            add_to_set(aim, reference, d);
+            add_to_set(aim, reference, OVERLAY_NONE, d);
         }
     }
-    const struct tree_node *const root = &aim->tree->nodes[0];
-    aim->axis_q30 = vec3_normalise(from_eye(aim, root->x, root->y, root->z));
+}
+
+/// The axis to begin with: toward the middle of everything.
+static void look_at_all(struct aim *aim) {
+    const uint32_t items = overlay_root(aim->options->overlay);
+    struct vec3 middle = aim->options->eye;
+    if (aim->tree->header->node_count != 0U) {
+        middle = tree_center(&aim->tree->nodes[0]);
+    } else if (items != OVERLAY_NONE) {
+        middle = aim->options->overlay->nodes[items].sphere.center;
+    }
+    aim->axis_q30 = vec3_normalise(from_eye(aim, middle.x, middle.y, middle.z));
     if (vec3_is_zero(aim->axis_q30)) {
         aim->axis_q30 = vec3(0, Q30_ONE, 0);
+    }
+}
+
+/// The set to begin with: what the caller knows, or the point farthest from some axis.
+static bool begin(struct aim *aim) {
+    look_at_all(aim);
+    if (aim->options->overlay != NULL) {
+        const struct vec3 toward = vec3_normalise(aim->options->toward_q30);
+        aim->axis_q30 = vec3_is_zero(toward) ? aim->axis_q30 : toward;
+    } else {
+        take_warm(aim);
     }
     if (aim->set_count != 0U) {
         if (aim->options->focal_px_q8 == 0U) {
@@ -254,6 +353,7 @@ static bool is_near(int32_t value) {
 static void name_points(struct aim *aim, const uint32_t *index, uint8_t count) {
     for (uint8_t i = 0; i < count; i++) {
         aim->result->reference[i] = aim->memory->reference[index[i]];
+        aim->result->item[i] = aim->memory->item[index[i]];
     }
 }
 
@@ -263,12 +363,12 @@ enum scene_aim_status scene_aim(const struct tree *tree, const struct scene_aim_
     if (!is_near(options->eye.x) || !is_near(options->eye.y) || !is_near(options->eye.z)) {
         return SCENE_AIM_ERROR_VIEWPOINT;
     }
-    if (tree->header->node_count == 0U) {
-        return SCENE_AIM_EMPTY;
-    }
     struct aim aim = {.tree = tree, .options = options, .memory = memory, .result = result};
     if (!begin(&aim)) {
         return SCENE_AIM_AT_VIEWPOINT;
+    }
+    if (aim.set_count == 0U) {
+        return SCENE_AIM_EMPTY;
     }
     while (result->searches < SEARCHES_MOST) {
         const enum cone_status status = solve(&aim);

@@ -7,6 +7,7 @@
 #define SCENE_SCENE_AIM_H
 
 #include "fixed/must_check.h"
+#include "scene/overlay.h"
 #include "scene/tree.h"
 #include "sphere/cone.h"
 
@@ -27,16 +28,18 @@ enum scene_aim_status {
 #define SCENE_AIM_CENTER UINT32_C(0x80000000)
 
 #define SCENE_AIM_SET   256U ///< points kept at a time
-#define SCENE_AIM_STACK 640U ///< TREE_LEVELS_MAX * 16
+#define SCENE_AIM_STACK 640U ///< (TREE_LEVELS_MAX + OVERLAY_LEVELS_MAX) * 8, and some
 
-/// The memory of a search: about 21 KiB, the caller's. Nothing in it is kept between calls.
+/// The memory of a search: about 24 KB, the caller's. Nothing in it is kept between calls.
 struct scene_aim_memory {
     struct vec3 direction[SCENE_AIM_SET];
     uint32_t reference[SCENE_AIM_SET];
+    uint32_t item[SCENE_AIM_SET];
     uint64_t cone[CONE_WORKSPACE_BYTES(SCENE_AIM_SET) / sizeof(uint64_t) + 1U];
     struct scene_aim_entry {
         uint64_t bound_turn64; ///< no point in it is farther from the axis
         uint32_t next, end;    ///< nodes
+        uint32_t item;         ///< whose nodes these are
     } stack[SCENE_AIM_STACK];
 };
 
@@ -49,12 +52,20 @@ struct scene_aim_options {
     /// with; warm_count at most 4.
     const uint32_t *warm;
     uint8_t warm_count;
+    /// What is not in its place; NULL: everything is. Then `warm` is not looked at: objects may
+    /// have moved since.
+    const struct overlay *overlay;
+    /// With an overlay: where to look first, Q1.30, such as the last axis; 0: anywhere.
+    struct vec3 toward_q30;
 };
 
 struct scene_aim_result {
     struct cone_result cone; ///< its indices mean `reference`
     /// Of cone.support or cone.witness, in the same order.
     uint32_t reference[4];
+    /// The item of the overlay that each belongs to, OVERLAY_NONE: in its place. Of the caller's
+    /// points the reference is the index among these.
+    uint32_t item[4];
     /// No point of the scene is farther outside the cone than so, in 1/256 pixel; 0 if exact.
     uint32_t loss_px_q8;
     uint32_t nodes_opened; ///< nodes whose children or points were looked at

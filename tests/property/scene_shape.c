@@ -224,7 +224,7 @@ static void use(const struct tree *tree) {
     uint64_t sum = 0;
     view_set(&view, vec3(0, -(1 << 29), 0), vec3(Q30_ONE, 0, 0), vec3(0, Q30_ONE, 0),
              vec3(0, 0, Q30_ONE), 300U * 256U, 640, 480);
-    walk_start(&walk, tree, &view);
+    walk_start(&walk, tree, NULL, &view);
     walk.shapes = true;
     while (walk_next(&walk, &item)) {
         for (uint32_t e = 0; item.shape != NULL && e < item.shape->element_count; e++) {

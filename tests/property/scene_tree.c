@@ -39,7 +39,7 @@ static void use(const struct tree *tree) {
     struct walk_item item;
     view_set(&view, eye, vec3(0, -Q30_ONE, 0), vec3(-Q30_ONE, 0, 0), vec3(0, 0, Q30_ONE),
              300U * 256U, 640, 480);
-    walk_start(&walk, tree, &view);
+    walk_start(&walk, tree, NULL, &view);
     uint64_t points = 0;
     while (walk_next(&walk, &item)) {
         for (uint32_t i = 0;

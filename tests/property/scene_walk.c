@@ -156,7 +156,7 @@ static void nothing_is_missing(void) {
             }
             struct walk walk;
             struct walk_item item;
-            walk_start(&walk, &tree, &c.view);
+            walk_start(&walk, &tree, NULL, &c.view);
             while (walk_next(&walk, &item)) {
                 pictures++;
                 if (tree_kind(item.description) == TREE_CENTER) {
@@ -210,7 +210,7 @@ static void one_description_each(void) {
         unsigned char seen[20] = {0};
         struct walk walk;
         struct walk_item item;
-        walk_start(&walk, &tree, &c.view);
+        walk_start(&walk, &tree, NULL, &c.view);
         while (walk_next(&walk, &item)) {
             const uint32_t source = tree.points[item.description->first].source;
             const uint32_t object = source / 100U;

@@ -13,6 +13,8 @@ static struct {
     struct tree_node node[1U + LEAVES];
     struct tree_description description[1U + 2U * LEAVES];
     struct tree_point point[LEAVES * EACH];
+    struct tree_part part[1U + LEAVES];
+    char names[2U * LEAVES];
 } block;
 
 static struct scene_aim_memory memory;
@@ -30,7 +32,8 @@ static void draw_leaf(struct digest *d, uint32_t leaf) {
     node->radius = 0;
     node->first_description = 1U + 2U * leaf;
     node->description_count = 2;
-    node->part = TREE_NONE;
+    node->part = 1U + leaf;
+    block.part[1U + leaf] = (struct tree_part){1U + leaf, 0, 2U * leaf, 0};
     block.description[1U + 2U * leaf] = (struct tree_description){.kind = TREE_CENTER, .count = 1};
     block.description[2U + 2U * leaf] =
         (struct tree_description){.threshold = 256U * (1U + digest_below(d, 20)),
@@ -50,9 +53,10 @@ static void draw_leaf(struct digest *d, uint32_t leaf) {
 }
 
 static struct tree draw_tree(struct digest *d) {
-    block.node[0] = (struct tree_node){.description_count = 1, .part = TREE_NONE};
+    block.node[0] = (struct tree_node){.description_count = 1};
     block.description[0] =
         (struct tree_description){.kind = TREE_NODES, .first = 1, .count = LEAVES};
+    block.part[0] = (struct tree_part){0, TREE_NONE, TREE_NONE, 0};
     for (uint32_t leaf = 0; leaf < LEAVES; leaf++) {
         draw_leaf(d, leaf);
     }
@@ -63,7 +67,9 @@ static struct tree draw_tree(struct digest *d) {
                                         .description_count = 1U + 2U * LEAVES,
                                         .point_count = LEAVES * EACH,
                                         .level_count = 2,
-                                        .source_count = LEAVES * EACH};
+                                        .source_count = LEAVES * EACH,
+                                        .part_count = 1U + LEAVES,
+                                        .name_bytes = sizeof block.names};
     const size_t covered = offsetof(struct tree_header, node_count);
     block.header.crc32 = tree_crc32(0, (const uint8_t *)&block + covered, sizeof block - covered);
     struct tree tree = {0};
@@ -89,7 +95,7 @@ static void walks(void) {
         view_set(&view, eye, right, ahead, up, 256U * (200U + digest_below(&d, 800)), 640, 480);
         struct walk walk;
         struct walk_item item;
-        walk_start(&walk, &tree, &view);
+        walk_start(&walk, &tree, NULL, &view);
         while (walk_next(&walk, &item)) {
             digest_u64(&d, (uint64_t)(item.node - tree.nodes));
             digest_u64(&d, item.description->kind);
@@ -126,8 +132,83 @@ static void aims(void) {
     digest_finish(&d, "digest scene/aim");
 }
 
+#define ITEMS 10U
+static uint64_t room[OVERLAY_WORKSPACE_BYTES(1U + LEAVES, ITEMS) / sizeof(uint64_t) + 1U];
+
+static struct vec3 draw_offset(struct digest *d) {
+    struct vec3 offset;
+    offset.x = digest_within(d, 200000);
+    offset.y = digest_within(d, 200000);
+    offset.z = digest_within(d, 200000);
+    return offset;
+}
+
+/// Any change; what cannot be is refused everywhere alike.
+static void change(struct digest *d, struct overlay *overlay) {
+    const uint32_t what = digest_below(d, 5), item = digest_below(d, ITEMS),
+                   part = digest_below(d, 1U + LEAVES);
+    const struct vec3 offset = draw_offset(d);
+    uint32_t added = 0;
+    switch (what) {
+    case 0:
+        digest_i64(d, overlay_set_away(overlay, part, digest_below(d, 2) != 0U));
+        break;
+    case 1:
+        digest_i64(d, overlay_add_object(overlay, part, offset, &added));
+        break;
+    case 2:
+        digest_i64(d, overlay_add_points(overlay, block.point, EACH, offset, &added));
+        break;
+    case 3:
+        digest_i64(d, overlay_remove(overlay, item));
+        break;
+    default:
+        digest_i64(d, overlay_move(overlay, item, offset));
+        break;
+    }
+    digest_u64(d, added);
+    digest_u64(d, overlay->nodes_touched);
+    if (overlay_root(overlay) != OVERLAY_NONE) {
+        digest_vec3(d, overlay->nodes[overlay->root].sphere.center);
+        digest_u64(d, overlay->nodes[overlay->root].sphere.radius);
+    }
+}
+
+static void overlays(void) {
+    struct digest d = digest_start(59);
+    for (int i = 0; i < 60; i++) {
+        const struct tree tree = draw_tree(&d);
+        struct overlay overlay;
+        CHECK_EQ(overlay_open(&overlay, &tree, ITEMS, room, sizeof room), OVERLAY_OK);
+        for (int k = 0; k < 60; k++) {
+            change(&d, &overlay);
+        }
+        const struct scene_aim_options options = {.eye = draw_offset(&d), .overlay = &overlay};
+        struct scene_aim_result result;
+        const enum scene_aim_status status = scene_aim(&tree, &options, &memory, &result);
+        digest_i64(&d, status);
+        if (status == SCENE_AIM_OK) {
+            digest_vec3(&d, result.cone.axis_q30);
+            digest_u64(&d, result.item[0]);
+        }
+        digest_u64(&d, result.nodes_opened);
+        struct view view;
+        struct walk walk;
+        struct walk_item item;
+        view_set(&view, options.eye, vec3(Q30_ONE, 0, 0), vec3(0, Q30_ONE, 0), vec3(0, 0, Q30_ONE),
+                 256U * 400U, 640, 480);
+        walk_start(&walk, &tree, &overlay, &view);
+        while (walk_next(&walk, &item)) {
+            digest_u64(&d, item.item);
+            digest_vec3(&d, item.center);
+        }
+    }
+    digest_finish(&d, "digest scene/overlay");
+}
+
 int main(void) {
     TEST(walks);
     TEST(aims);
+    TEST(overlays);
     return check_finish();
 }
