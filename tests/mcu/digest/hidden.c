@@ -1,5 +1,5 @@
 /// Hidden lines: solids and planes, the planes between them, and pictures by both methods.
-#include "mcu/digest/digest.h"
+#include "mcu/digest/sets.h"
 
 #include "scene/hidden.h"
 
@@ -12,7 +12,7 @@ static struct shape_edge edges[2U * ROOM];
 static struct shape_object objects[8];
 static uint64_t workspace[8000], more[400];
 
-static struct vec3 draw_place(struct digest *d, int32_t reach) {
+static struct vec3 draw_place(struct digest *d, uint32_t reach) {
     struct vec3 p;
     p.x = digest_within(d, reach);
     p.y = digest_within(d, reach);
