@@ -1,0 +1,105 @@
+/// Hidden lines: solids and planes, the planes between them, and pictures by both methods.
+#include "mcu/digest/sets.h"
+
+#include "scene/hidden.h"
+
+#define ROOM 96U
+static struct vec3 vertices[ROOM];
+static uint32_t corners[8U * ROOM];
+static struct shape_face faces[2U * ROOM];
+static struct shape_plane planes[2U * ROOM];
+static struct shape_edge edges[2U * ROOM];
+static struct shape_object objects[8];
+static uint64_t workspace[8000], more[400];
+
+static struct vec3 draw_place(struct digest *d, uint32_t reach) {
+    struct vec3 p;
+    p.x = digest_within(d, reach);
+    p.y = digest_within(d, reach);
+    p.z = digest_within(d, reach);
+    return p;
+}
+
+static void draw_box(struct digest *d, struct shape_set *set) {
+    static const uint32_t box_faces[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                           2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    static const uint32_t box_sizes[6] = {4, 4, 4, 4, 4, 4};
+    const struct vec3 low = draw_place(d, 40000000);
+    const struct vec3 a = draw_place(d, 30000000), b = draw_place(d, 30000000),
+                      c = draw_place(d, 30000000);
+    struct vec3 p[8];
+    uint32_t fault;
+    for (int i = 0; i < 8; i++) {
+        const int x = i & 1, y = i >> 1 & 1, z = i >> 2;
+        p[i] = vec3(low.x + x * a.x + y * b.x + z * c.x, low.y + x * a.y + y * b.y + z * c.y,
+                    low.z + x * a.z + y * b.z + z * c.z);
+    }
+    digest_i64(d, shape_add_solid(set, p, 8, box_faces, box_sizes, 6, NULL, &fault));
+    digest_u64(d, fault);
+}
+
+static void draw_plane(struct digest *d, struct shape_set *set) {
+    const int32_t y = digest_within(d, 60000000);
+    const struct vec3 notch = vec3(digest_within(d, 9000000), y, 5000000);
+    const struct vec3 outline[4] = {vec3(-20000000, y, -20000000), notch,
+                                    vec3(20000000, y, -20000000), vec3(0, y, 30000000)};
+    digest_i64(d, shape_add_plane(set, outline, 4, false));
+}
+
+static void fold(void *context, const struct hidden_segment *segment) {
+    struct digest *const d = context;
+    digest_u64(d, segment->edge);
+    digest_i64(d, fraction_q62(segment->part.from));
+    digest_i128(d, segment->part.to.num);
+    digest_i128(d, segment->part.to.den);
+}
+
+static void pictures(void) {
+    struct digest d = digest_start(61);
+    const struct hidden_sink sink = {fold, &d};
+    const int32_t one = INT32_C(1) << 30;
+    for (int i = 0; i < CHECK_ROUNDS(60); i++) {
+        struct shape_set set = {.vertices = vertices,
+                                .corners = corners,
+                                .faces = faces,
+                                .planes = planes,
+                                .edges = edges,
+                                .objects = objects,
+                                .vertex_room = ROOM,
+                                .corner_room = 8U * ROOM,
+                                .face_room = 2U * ROOM,
+                                .edge_room = 2U * ROOM,
+                                .object_room = 8};
+        static struct hidden hidden;
+        struct separate separate;
+        struct hidden_counters counters = {0};
+        uint32_t fault[2];
+        for (int k = 0; k < 6; k++) {
+            draw_box(&d, &set);
+        }
+        draw_plane(&d, &set);
+        const enum separate_status apart =
+            separate_build(&separate, &set, 24, more, sizeof more, fault);
+        digest_i64(&d, apart);
+        digest_u64(&d, fault[1]);
+        const struct hidden_camera camera = {
+            draw_place(&d, 200000000), vec3(one, 0, 0), vec3(0, one, 0),
+            vec3(0, 0, one),           1 << 16,         1 << 15};
+        if (!CHECK_EQ(hidden_open(&hidden, &set, workspace, sizeof workspace), HIDDEN_OK)) {
+            return;
+        }
+        hidden_look(&hidden, &camera);
+        hidden_clip(&hidden, &sink);
+        if (apart == SEPARATE_OK) {
+            separate_look(&separate, camera.eye);
+            hidden_levine(&hidden, &separate, &sink, &counters);
+            digest_u64(&d, counters.line_actual);
+        }
+    }
+    digest_finish(&d, "digest scene/hidden");
+}
+
+int main(void) {
+    TEST(pictures);
+    return check_finish();
+}
