@@ -154,7 +154,7 @@ $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
 .PHONY: figures
-figures: $(B)/boresight ## Draw the figures of docs/geometry.md
+figures: $(B)/boresight ## Draw the figures of docs/geometry.md and docs/regular.md
 	sh docs/pictures/draw.sh docs/pictures
 
 help: ## List the targets

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the figures of docs/geometry.md from what `boresight` prints: `make figures`. Usage: draw.sh FOLDER
+# Draws the figures of docs/geometry.md and docs/regular.md from what `boresight` prints: `make figures`. Usage: draw.sh FOLDER
 # tests/gate/figures.sh checks that the ones here are what this build of the program draws.
 boresight=${BORESIGHT:-build/boresight}
 out=$1
@@ -73,3 +73,15 @@ printf '%s\n' '-1 40 -1.5 -1 -20 -1.5' '1 40 -1.5 1 -20 -1.5' >"$dir/rails.edges
 for y in 4 6 9 14 22 40; do echo "-1.4 $y -1.5 1.4 $y -1.5"; done >>"$dir/rails.edges"
 "$boresight" aim --project --plot-radius 80 --segments "$dir/rails.edges" "$dir/rails" |
     svg 'Rails that pass the viewer: a segment with an end behind is a ray' 80 >"$out/rails.svg"
+
+# From a place on the line through two corners of the house, and from one that is free of that.
+aim --viewpoint 21,17,14 --segments "$dir/house.edges" "$dir/house" | svg 'From the line through two corners one hides the other' >"$out/lineup.svg" || exit 1
+aim --viewpoint -3.13,20.54,27.55 --segments "$dir/house.edges" "$dir/house" | svg 'From a mount that the planner proposed' >"$out/apart.svg" || exit 1
+
+# Five targets: the sphere through a mount near them, and one far away.
+printf '%s\n' '0 0 0' '1 0 0' '0 2 0' '0.3 0.2 1.5' '1 1.2 0.4' >"$dir/targets"
+echo '2.152 -1.48 4.428' >"$dir/near"
+echo '2100 -2000 4000' >"$dir/far"
+for mount in near far; do
+    "$boresight" plan --mounts "$dir/$mount" --picture "$out/sphere-$mount.svg" "$dir/targets" >/dev/null || exit 1
+done

@@ -1,9 +1,9 @@
 #!/bin/sh
-# The figures of docs/geometry.md are what this build of the program draws; `make figures` mends it.
+# The figures of docs/geometry.md and docs/regular.md are what this build of the program draws; `make figures` mends it.
 . tests/gate/verdict.sh
 dir=$(mktemp -d)
 same() { # FOLDER
-    for figure in cone box rect rails; do
+    for figure in cone box rect rails lineup apart sphere-near sphere-far; do
         [ -s "$1/$figure.svg" ] && grep -q '</svg>' "$1/$figure.svg" && cmp -s "$1/$figure.svg" "docs/pictures/$figure.svg" || return 1
     done
 }
