@@ -42,7 +42,7 @@ void optimum_open(struct optimum *o, enum regular_problem problem, uint32_t coun
                           .circle_room = most_circles(problem, count)};
     o->lines = arena_take(arena, o->line_room, sizeof *o->lines);
     if (regular_is_planar(problem)) {
-        const bool weighted = options->weights != NULL;
+        const bool weighted = options->weights != NULL && problem == REGULAR_POINTS2_LINE;
         if (weighted) {
             o->weights = arena_take(arena, o->line_room, sizeof *o->weights);
         }

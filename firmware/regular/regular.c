@@ -166,7 +166,13 @@ static enum regular_status open(struct steps *steps, struct optimum *optimum,
     }
     struct arena arena = {workspace, 0};
     lay_out(steps, optimum, input->problem, input->count, &arena);
-    const enum regular_status status = check_items(input, result);
+    enum regular_status status = check_items(input, result);
+    const uint32_t *const weights = steps->options->weights;
+    for (uint32_t i = 0; weights != NULL && status == REGULAR_OK && i < input->count; i++) {
+        if (weights[i] == 0U || weights[i] > REGULAR_WEIGHT_MAX) {
+            status = fault(result, REGULAR_ERROR_RANGE, i);
+        }
+    }
     if (status != REGULAR_OK || !is_points(input->problem)) {
         return status;
     }
