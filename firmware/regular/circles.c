@@ -84,7 +84,11 @@ static bool each_face(const struct regular_input *input, circles_visit *visit, v
 }
 
 bool circles_each(const struct regular_input *input, circles_visit *visit, void *context,
-                  struct regular_conflict *conflict) {
+                  struct regular_conflict *conflict, uint64_t *planes) {
+    const uint64_t n = input->count;
+    *planes = input->problem == REGULAR_FACES_VERTICAL  ? n
+              : input->problem == REGULAR_POINTS3_PLANE ? n * (n - (n != 0U)) / 2U * (n - 2U) / 3U
+                                                        : n * (n - (n != 0U)) / 2U;
     switch (input->problem) {
     case REGULAR_POINTS3_X:
         return each_pair_of_points(input, visit, context);

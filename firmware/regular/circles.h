@@ -12,8 +12,8 @@ typedef bool circles_visit(void *context, struct vec3_i64 normal, uint8_t item_c
 /// POINTS3_X: pairs of points; POINTS3_PLANE: triples; SEGMENTS3_PLANE: pairs of segments that lie
 /// in one plane; FACES_VERTICAL: faces.
 /// Returns:  false where three points or two segments lie on one line: conflict tells.
-/// Cost:     a visit for each pair, triple or face.
+/// Cost:     a plane for each pair, triple or face: *planes gets how many.
 bool circles_each(const struct regular_input *input, circles_visit *visit, void *context,
-                  struct regular_conflict *conflict);
+                  struct regular_conflict *conflict, uint64_t *planes);
 
 #endif

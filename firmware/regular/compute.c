@@ -74,7 +74,6 @@ static bool visit_trace(void *context, struct vec3_i64 normal, uint8_t item_coun
     struct planes *const planes = context;
     (void)item_count;
     (void)items;
-    planes->operations++;
     if (normal.z == 0) {
         wedge_add(&planes->wedge, (struct vec3_i64){-normal.y, normal.x, 0});
     }
@@ -92,7 +91,6 @@ static bool visit_steepness(void *context, struct vec3_i64 normal, uint8_t item_
     struct planes *const planes = context;
     (void)item_count;
     (void)items;
-    planes->operations++;
     be_steeper(planes, wedge_steepness(normal, planes->azimuth));
     return true;
 }
@@ -127,17 +125,19 @@ static void avoid_segments(const struct steps *steps, struct planes *planes) {
 static enum regular_status compute_circles(struct steps *steps) {
     struct planes planes = {.steepness = {1, 0}};
     struct regular_conflict conflict;
-    if (!circles_each(steps->input, visit_trace, &planes, &conflict)) {
+    uint64_t tested;
+    if (!circles_each(steps->input, visit_trace, &planes, &conflict, &tested)) {
         return none(steps, &conflict);
     }
     planes.azimuth = wedge_azimuth(&planes.wedge);
     if (vec3_is_zero(planes.azimuth)) {
         planes.azimuth = vec3(1, 0, 0); // only segments of their own direction are in the way
     }
-    circles_each(steps->input, visit_steepness, &planes, &conflict);
+    circles_each(steps->input, visit_steepness, &planes, &conflict, &tested);
     if (steps->input->problem == REGULAR_SEGMENTS3_PLANE) {
         avoid_segments(steps, &planes);
     }
+    planes.operations += 2U * tested;
     point_in_wedge(steps, &planes);
     return REGULAR_OK;
 }

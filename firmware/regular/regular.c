@@ -1,5 +1,6 @@
 #include "regular/regular.h"
 
+#include "regular/optimum.h"
 #include "regular/primitive.h"
 #include "regular/steps.h"
 
@@ -32,10 +33,35 @@ struct vec3_i64 steps_normal(struct vec3 a, struct vec3 b, struct vec3 c) {
 
 // ---------------------------------------------------------------- sizes
 
+/// What fits about a gigabyte; and within hours.
+static uint32_t optimize_max(enum regular_problem problem, bool slender) {
+    switch (problem) {
+    case REGULAR_POINTS2_LINE:
+        return 8192;
+    case REGULAR_POINTS3_LINE:
+        return 2048;
+    case REGULAR_POINTS3_X:
+    case REGULAR_SEGMENTS3_PLANE:
+        return slender ? 512U : 100U;
+    case REGULAR_POINTS3_XY:
+    case REGULAR_POINTS3_XYZ:
+        return 512;
+    case REGULAR_POINTS3_PLANE:
+        return slender ? 96U : 32U;
+    case REGULAR_FACES_VERTICAL:
+        return slender ? 131072U : 4960U;
+    default:
+        return UINT32_C(1) << 21;
+    }
+}
+
 static uint32_t count_max(enum regular_problem problem, enum regular_step step,
                           const struct regular_options *options) {
     if (problem == REGULAR_POINTS3_COCIRCULAR) {
         return 512;
+    }
+    if (step == REGULAR_OPTIMIZE) {
+        return optimize_max(problem, options->cylinder || options->above);
     }
     if (problem == REGULAR_POINTS3_PLANE) {
         return step == REGULAR_COMPUTE && options->small ? 4096U : 16384U;
@@ -51,9 +77,9 @@ uint32_t regular_count_max(enum regular_problem problem, enum regular_step step,
     return count_max(problem, step, options == NULL ? &no_options : options);
 }
 
-/// Lays out what a step needs.
-static void lay_out(struct steps *steps, enum regular_problem problem, uint32_t count,
-                    struct arena *arena) {
+/// Lays out what a step needs. optimum: for optimize only.
+static void lay_out(struct steps *steps, struct optimum *optimum, enum regular_problem problem,
+                    uint32_t count, struct arena *arena) {
     const struct vec3 *const points = steps->input == NULL ? NULL : steps->input->points;
     if (is_points(problem)) {
         order_open(&steps->order, points, count, steps->options->buckets, arena);
@@ -66,14 +92,17 @@ static void lay_out(struct steps *steps, enum regular_problem problem, uint32_t 
         steps->list = arena_take(arena, count, sizeof *steps->list);
         steps->spare = arena_take(arena, count, sizeof *steps->spare);
     }
+    if (optimum != NULL) {
+        optimum_open(optimum, problem, count, steps->options, arena);
+    }
 }
 
 uint64_t regular_workspace_bytes(enum regular_problem problem, enum regular_step step,
                                  uint32_t count, const struct regular_options *options) {
     struct arena arena = {NULL, 0};
     struct steps steps = {.options = options == NULL ? &no_options : options};
-    (void)step;
-    lay_out(&steps, problem, count, &arena);
+    struct optimum optimum;
+    lay_out(&steps, step == REGULAR_OPTIMIZE ? &optimum : NULL, problem, count, &arena);
     return arena.used;
 }
 
@@ -121,10 +150,10 @@ static enum regular_status check_repeated(struct order *order, struct regular_re
     return REGULAR_OK;
 }
 
-static enum regular_status open(struct steps *steps, const struct regular_input *input,
-                                enum regular_step step, const struct regular_options *options,
-                                void *workspace, size_t workspace_bytes,
-                                struct regular_result *result) {
+static enum regular_status open(struct steps *steps, struct optimum *optimum,
+                                const struct regular_input *input, enum regular_step step,
+                                const struct regular_options *options, void *workspace,
+                                size_t workspace_bytes, struct regular_result *result) {
     *result = (struct regular_result){.regular = false};
     *steps = (struct steps){
         .input = input, .options = options == NULL ? &no_options : options, .result = result};
@@ -136,8 +165,14 @@ static enum regular_status open(struct steps *steps, const struct regular_input 
         return REGULAR_ERROR_WORKSPACE;
     }
     struct arena arena = {workspace, 0};
-    lay_out(steps, input->problem, input->count, &arena);
-    const enum regular_status status = check_items(input, result);
+    lay_out(steps, optimum, input->problem, input->count, &arena);
+    enum regular_status status = check_items(input, result);
+    const uint32_t *const weights = steps->options->weights;
+    for (uint32_t i = 0; weights != NULL && status == REGULAR_OK && i < input->count; i++) {
+        if (weights[i] == 0U || weights[i] > REGULAR_WEIGHT_MAX) {
+            status = fault(result, REGULAR_ERROR_RANGE, i);
+        }
+    }
     if (status != REGULAR_OK || !is_points(input->problem)) {
         return status;
     }
@@ -151,7 +186,7 @@ enum regular_status regular_decide(const struct regular_input *input,
                                    size_t workspace_bytes, struct regular_result *result) {
     struct steps steps;
     const enum regular_status status =
-        open(&steps, input, REGULAR_DECIDE, options, workspace, workspace_bytes, result);
+        open(&steps, NULL, input, REGULAR_DECIDE, options, workspace, workspace_bytes, result);
     if (status == REGULAR_OK) {
         steps_decide(&steps);
     }
@@ -163,6 +198,20 @@ enum regular_status regular_compute(const struct regular_input *input,
                                     size_t workspace_bytes, struct regular_result *result) {
     struct steps steps;
     const enum regular_status status =
-        open(&steps, input, REGULAR_COMPUTE, options, workspace, workspace_bytes, result);
+        open(&steps, NULL, input, REGULAR_COMPUTE, options, workspace, workspace_bytes, result);
     return status == REGULAR_OK ? steps_compute(&steps) : status;
+}
+
+enum regular_status regular_optimize(const struct regular_input *input,
+                                     const struct regular_options *options, void *workspace,
+                                     size_t workspace_bytes, struct regular_result *result) {
+    struct steps steps;
+    struct optimum optimum;
+    const enum regular_status status = open(&steps, &optimum, input, REGULAR_OPTIMIZE, options,
+                                            workspace, workspace_bytes, result);
+    if (status != REGULAR_OK) {
+        return status;
+    }
+    return input->problem == REGULAR_POINTS3_COCIRCULAR ? REGULAR_ERROR_OPEN
+                                                        : optimum_find(&steps, &optimum);
 }

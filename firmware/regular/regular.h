@@ -21,6 +21,7 @@
 
 /// Coordinates are within +-2^20: differences have 21 bits, normals of planes 43.
 #define REGULAR_COORDINATE_MAX (INT32_C(1) << 20)
+#define REGULAR_WEIGHT_MAX     (UINT32_C(1) << 20)
 
 /// The conflicts of each, when projected along z, in the plane along y. An item is a point, of
 /// SEGMENTS two points, of FACES three.
@@ -44,8 +45,8 @@ enum regular_status {
     /// compute, optimize: no regular projection exists; result->conflict tells why not: three
     /// points on one line, two segments on one line.
     REGULAR_NONE = -1,
-    /// A coordinate is beyond REGULAR_COORDINATE_MAX, or z is not 0 in the plane: conflict has the
-    /// item.
+    /// A coordinate is beyond REGULAR_COORDINATE_MAX, or z is not 0 in the plane, or a weight is 0
+    /// or beyond REGULAR_WEIGHT_MAX: conflict has the item.
     REGULAR_ERROR_RANGE = -2,
     REGULAR_ERROR_REPEATED = -3, ///< two points of a point problem are equal: conflict has both
     /// A segment without length, or a face whose points are on one line: conflict has the item.
@@ -100,7 +101,7 @@ struct regular_options {
     /// optimize, where circles are forbidden: the direction must lie above every forbidden plane,
     /// on the side of +z. REGULAR_NONE if one is vertical: conflict has its items.
     bool above;
-    /// POINTS2_LINE optimize: a weight of 1 to 2^20 for each point; NULL: all 1. A pair of points
+    /// POINTS2_LINE optimize: a weight for each point; NULL: all 1. A pair of points
     /// weighs as much as the heavier one; its direction keeps weight * tolerance away.
     const uint32_t *weights;
 };

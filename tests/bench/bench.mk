@@ -19,3 +19,8 @@ bench-cone: ## Measure the narrowest cone and the hull beside a bare pass and ot
 .PHONY: bench-scene
 bench-scene: $(B)/gcc/tests/property/scene_aim ## Measure how many of a million points aiming at a scene reads
 	LARGE=1000000 $<
+
+-include $(B)/gcc/tests/bench/regular/growth.d
+.PHONY: bench-regular
+bench-regular: $(B)/gcc/tests/bench/regular/growth ## Count how the cost of regular projections grows, and time their reach
+	$<

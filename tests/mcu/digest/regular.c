@@ -6,7 +6,7 @@
 #define COUNT_MAX 7U
 
 static struct vec3 points[3U * COUNT_MAX];
-static uint64_t workspace[4096];
+static uint64_t workspace[8192];
 
 static void fold_vector(struct digest *d, const struct vec3_i128 *a) {
     digest_i128(d, a->x);
@@ -58,7 +58,28 @@ static void decisions_and_directions(void) {
     digest_finish(&d, "digest regular/directions");
 }
 
+static void optima(void) {
+    struct digest d = digest_start(67);
+    struct regular_result result;
+    for (unsigned problem = 0; problem < REGULAR_PROBLEMS; problem++) {
+        for (int i = 0; i < 6; i++) {
+            const uint32_t weights[COUNT_MAX] = {1, 5, 2, 9, 1, 3, 7};
+            const struct regular_options options = {.buckets = i % 2 == 0,
+                                                    .cylinder = i % 3 == 0,
+                                                    .above = i == 2,
+                                                    .weights = i == 3 ? weights : NULL};
+            struct regular_input input = draw(&d, (enum regular_problem)problem);
+            input.count = input.count > 5U ? 5U : input.count;
+            const enum regular_status status =
+                regular_optimize(&input, &options, workspace, sizeof workspace, &result);
+            fold(&d, status, &result);
+        }
+    }
+    digest_finish(&d, "digest regular/optima");
+}
+
 int main(void) {
     TEST(decisions_and_directions);
+    TEST(optima);
     return check_finish();
 }
