@@ -111,6 +111,11 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         return false;
     }
     to->home_q48 = from->home_q48;
+    if (from->move_mdeg.count != from->move_ms.count) {
+        ini_complain(ini, name, "", "move_s", "needs as many values as move_deg");
+        return false;
+    }
+    rig->latency_us[axis] = (uint32_t)from->latency_us;
     rig->bus[axis] = from->drive == RIG_DRIVE_FAKE ? "fake" : from->bus;
     rig->device[axis] = from->device;
     rig->limit_switch[axis][0] = from->switch_min;
@@ -355,6 +360,12 @@ void rig_explain(const struct rig *rig, FILE *stream) {
             axis_names[axis], slew_s(limits, rig->controller.tick_us, 10.0),
             slew_s(limits, rig->controller.tick_us, 90.0),
             limits->smooth_ticks * rig->controller.tick_us / 1000.0);
+    }
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        if (rig->latency_us[axis] != 0U) {
+            fprintf(stream, "  %-6s is %.1f ms behind its setpoint, as measured\n",
+                    axis_names[axis], rig->latency_us[axis] / 1000.0);
+        }
     }
     const struct lens_config *lens = &rig->controller.lens;
     if (lens->point_count != 0U) {

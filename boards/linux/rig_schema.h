@@ -20,6 +20,8 @@ struct rig_axis {
     int64_t speed_q48, accel_q48, jerk_q48; ///< per second, per second^2, per second^3
     int64_t channel;
     struct ini_numbers calibration_q48, calibration_ns;
+    int64_t latency_us; ///< as measured; 0: not yet
+    struct ini_numbers move_mdeg, move_ms;
 };
 
 struct rig_zoom {

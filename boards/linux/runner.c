@@ -119,7 +119,7 @@ static bool stands_still(const struct controller *controller) {
     return true;
 }
 
-static void stop_for_good(struct runner *runner) {
+void runner_stop(struct runner *runner) {
     pump_command(runner->pump, COMMAND_STOP);
     runner->stopping = true;
 }
@@ -164,7 +164,7 @@ static enum exit_status finish_reload(struct runner *runner) {
 static void take_signals(struct runner *runner, uint32_t raised) {
     if ((raised & EVENT_LOOP_END) != 0U && !runner->stopping) {
         run_log_event(&runner->log, false, "end", "interrupted");
-        stop_for_good(runner);
+        runner_stop(runner);
     }
     if ((raised & EVENT_LOOP_RELOAD) != 0U) {
         begin_reload(runner);
@@ -187,6 +187,7 @@ static void look_at_lines(struct runner *runner) {
     }
     if (state.pressed != NULL) {
         tell(runner, true, "switch", "%s is pressed", state.pressed);
+        runner->pressed = state.pressed;
         runner->line_stopped = true;
     }
     if (runner->stop_pressed && !state.stop) {
@@ -284,35 +285,43 @@ static void step(struct runner *runner, uint64_t due) {
     }
 }
 
-static enum exit_status loop(struct runner *runner) {
-    const uint64_t limit_us = runner->settings.limit_us;
-    enum exit_status status = EXIT_STATUS_OK;
-    while (status == EXIT_STATUS_OK) {
-        uint32_t raised;
-        const uint64_t due = event_loop_tick(&runner->loop, &raised);
-        if (due == 0U) {
-            message_command(runner->settings.command, "the event loop failed: %s", strerror(errno));
-            return EXIT_STATUS_FAILURE;
-        }
-        take_targets(runner);
-        take_signals(runner, raised);
-        if (limit_us != 0U && !runner->stopping &&
-            runner->loop.ticks * runner->loop.tick_us > limit_us) {
-            stop_for_good(runner);
-        }
-        look_at_lines(runner);
-        look_after_devices(runner);
-        step(runner, due);
-        set_enable(runner);
-        tell_mode(runner);
-        if (is_over(runner, &status)) {
-            return status;
-        }
-        if (runner->reloading && stands_still(runner->controller)) {
-            status = finish_reload(runner);
-        }
+/// Waits for the next tick. Returns how many are due; 0: it can't.
+static uint64_t await_tick(struct runner *runner, uint32_t *raised) {
+    if (runner->settings.hurry && runner->sim != NULL) {
+        *raised = 0;
+        runner->loop.ticks++;
+        return 1;
     }
-    return status;
+    return event_loop_tick(&runner->loop, raised);
+}
+
+bool runner_tick(struct runner *runner) {
+    const uint64_t limit_us = runner->settings.limit_us;
+    uint32_t raised;
+    const uint64_t due = await_tick(runner, &raised);
+    if (due == 0U) {
+        message_command(runner->settings.command, "the event loop failed: %s", strerror(errno));
+        runner->status = EXIT_STATUS_FAILURE;
+        return false;
+    }
+    take_targets(runner);
+    take_signals(runner, raised);
+    if (limit_us != 0U && !runner->stopping &&
+        runner->loop.ticks * runner->loop.tick_us > limit_us) {
+        runner_stop(runner);
+    }
+    look_at_lines(runner);
+    look_after_devices(runner);
+    step(runner, due);
+    set_enable(runner);
+    tell_mode(runner);
+    if (is_over(runner, &runner->status)) {
+        return false;
+    }
+    if (runner->reloading && stands_still(runner->controller)) {
+        runner->status = finish_reload(runner);
+    }
+    return runner->status == EXIT_STATUS_OK;
 }
 
 static enum exit_status start(struct runner *runner) {
@@ -331,13 +340,13 @@ static enum exit_status start(struct runner *runner) {
                                                                           : EXIT_STATUS_USAGE;
 }
 
-enum exit_status runner_run(struct runner *runner, const struct runner_settings *settings) {
+enum exit_status runner_start(struct runner *runner, const struct runner_settings *settings) {
     memset(runner, 0, sizeof *runner);
     runner->settings = *settings;
     runner->loop = (struct event_loop){.epoll = -1, .timer = -1, .signals = -1};
     runner->log.fd = -1;
     event_loop_block_signals();
-    enum exit_status status = start(runner);
+    const enum exit_status status = start(runner);
     if (status != EXIT_STATUS_OK) {
         return status;
     }
@@ -352,9 +361,18 @@ enum exit_status runner_run(struct runner *runner, const struct runner_settings 
         return EXIT_STATUS_FAILURE;
     }
     run_log_event(&runner->log, false, "start", "%s", settings->rig_file);
-    status = loop(runner);
-    run_log_event(&runner->log, false, "end", "exit status %d", (int)status);
-    return status;
+    return EXIT_STATUS_OK;
+}
+
+enum exit_status runner_run(struct runner *runner, const struct runner_settings *settings) {
+    const enum exit_status status = runner_start(runner, settings);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    while (runner_tick(runner)) {
+    }
+    run_log_event(&runner->log, false, "end", "exit status %d", (int)runner->status);
+    return runner->status;
 }
 
 void runner_close(struct runner *runner) {

@@ -22,6 +22,7 @@ struct runner_settings {
     uint64_t limit_us;    ///< 0: until interrupted
     bool arm;             ///< whatever the rig file says
     bool stay;            ///< a fault, a lost device do not end it
+    bool hurry;           ///< simulated rigs do not wait for the clock
 };
 
 struct runner {
@@ -37,7 +38,8 @@ struct runner {
     struct rig_devices devices;
     bool devices_open;
     struct rig_lines lines;
-    bool stop_pressed; ///< emergency stop, as long as it is
+    bool stop_pressed;   ///< emergency stop, as long as it is
+    const char *pressed; ///< the line that was pressed last; NULL: none
     struct controller real_controller;
     struct pump real_pump;
     struct controller *controller; ///< whichever is driven
@@ -48,6 +50,7 @@ struct runner {
     enum controller_mode told_mode;
     uint32_t told_faults;
     bool stopping; ///< for good
+    enum exit_status status;
     bool device_failed, line_stopped;
     uint64_t steps, starting_since_us, looked_us, reloads;
 };
@@ -56,5 +59,12 @@ struct runner {
 /// are taken from stays until runner_close, which is called in any case.
 enum exit_status runner_run(struct runner *runner, const struct runner_settings *settings);
 void runner_close(struct runner *runner);
+
+/// The same in parts, for a caller that does something between the ticks. runner_tick returns false
+/// at the end: runner->status tells why.
+enum exit_status runner_start(struct runner *runner, const struct runner_settings *settings);
+bool runner_tick(struct runner *runner);
+/// Decelerates, holds and ends.
+void runner_stop(struct runner *runner);
 
 #endif

@@ -62,7 +62,9 @@ bool new_file_write(const char *path, const void *bytes, size_t size) {
     if (descriptor < 0) {
         return false;
     }
-    bool whole = write_all(descriptor, bytes, size);
+    // On the disk before it gets its name: a power cut must not leave an empty file there.
+    bool whole = write_all(descriptor, bytes, size) &&
+                 (fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS);
     int why = errno;
     if (close(descriptor) != 0 && whole) { // a disk behind a network says only now that it is full
         whole = false;

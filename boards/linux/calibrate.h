@@ -1,0 +1,57 @@
+/// Measures what a rig's axes can do, by moving them: where they end, how long they take, how far
+/// they lag behind.
+///
+/// Every motion goes through the controller, as a target that is aimed at, so limits, speeds,
+/// switches and the emergency stop of the rig file hold. Only axes that measure their position can
+/// be measured.
+/// - Ends: the aim creeps toward each limit of the file. A switch that is pressed, or an axis that
+///   stays behind, is the end; the axis is led back at once.
+/// - Moves: CALIBRATE_MOVES amplitudes within the ends, each there and back; the time from the new
+///   aim to where the axis stays within 0.1 degree of it, the longer of the two.
+/// - Latency: how long after the setpoint the axis is at the same place, the median over the fast
+///   part of the longest move.
+/// Shown: tests/cli/calibrate.sh (against the simulator's drives, whose ends and lag are known).
+#ifndef LINUX_CALIBRATE_H
+#define LINUX_CALIBRATE_H
+
+#include "runner.h"
+
+enum { CALIBRATE_MOVES = 3, CALIBRATE_SETPOINTS = 16384, CALIBRATE_LAGS = 4096 };
+
+enum calibrate_end {
+    CALIBRATE_END_LIMIT,  ///< the axis reaches the limit of the rig file
+    CALIBRATE_END_SWITCH, ///< a limit switch comes before it
+    CALIBRATE_END_STOP    ///< something stops the axis before it
+};
+
+struct calibrate_axis {
+    bool measured; ///< false: it has no feedback
+    enum calibrate_end end[2];
+    double end_deg[2]; ///< low and high: how far it may go
+    uint32_t move_count;
+    double move_deg[CALIBRATE_MOVES], move_s[CALIBRATE_MOVES];
+    double latency_ms, speed_dps; ///< the fastest that was seen
+};
+
+struct calibrate {
+    struct runner runner;
+    struct calibrate_axis axis[2];
+
+    // Private from here on.
+    double aim_deg[2];
+    uint64_t aimed_us;
+    uint32_t setpoint_count;
+    uint64_t setpoint_us[CALIBRATE_SETPOINTS];
+    double setpoint_deg[CALIBRATE_SETPOINTS];
+    uint32_t lag_count;
+    double lag_ms[CALIBRATE_LAGS];
+};
+
+/// Starts the rig, measures, and brings it to rest. with_ends: false takes the limits of the file
+/// for the ends. Returns: EXIT_STATUS_OK, or another after lines on stderr.
+enum exit_status calibrate_run(struct calibrate *calibrate, const char *command,
+                               const char *rig_file, bool with_ends);
+/// Closes the rig. In any case.
+void calibrate_close(struct calibrate *calibrate);
+
+#endif
