@@ -2,7 +2,10 @@
 
 #include "rig_schema.h"
 
+#include "detect/tags.h"
+
 #include <stddef.h>
+#include <string.h>
 
 #define CAMERA(member) .offset = offsetof(struct rig_camera, member)
 const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
@@ -157,6 +160,16 @@ const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
      .numerator = 1000,
      CAMERA(latency_us),
      .help = "how long before its time stamp the middle of a frame was exposed"},
+    {.name = "detect",
+     .type = INI_TEXT,
+     .fallback = "",
+     CAMERA(detect),
+     .help = "what to look for in its frames: tags, markers, motion, or several of them"},
+    {.name = "tag_family",
+     .type = INI_TEXT,
+     .fallback = TAGS_FAMILY_DEFAULT,
+     CAMERA(tag_family),
+     .help = "of the tags: " TAGS_FAMILIES},
 };
 
 static struct rig_eye read_eye(const struct rig_camera *from) {
@@ -181,6 +194,25 @@ static struct rig_eye read_eye(const struct rig_camera *from) {
     return eye;
 }
 
+static bool read_detectors(const struct rig_camera *from, const struct ini *ini,
+                           struct rig_eye *out) {
+    out->detectors.tag_family = from->tag_family;
+    if (!tags_family_known(from->tag_family)) {
+        ini_complain(ini, "camera", "", "tag_family", "must be one of %s", TAGS_FAMILIES);
+        return false;
+    }
+    const char *wrong =
+        detector_settings_read(&out->detectors, from->detect, (uint32_t)strlen(from->detect));
+    if (wrong != NULL) {
+        ini_complain(ini, "camera", "", "detect", "%s", wrong);
+        return false;
+    }
+    for (unsigned kind = 0; kind < DETECTION_KINDS; kind++) {
+        out->detects = out->detects || out->detectors.wanted[kind];
+    }
+    return true;
+}
+
 bool rig_camera_build(const struct rig_camera *from, const struct ini *ini, struct rig_eye *out) {
     *out = read_eye(from);
     const char *wrong = camera_model_check(&out->model);
@@ -188,5 +220,5 @@ bool rig_camera_build(const struct rig_camera *from, const struct ini *ini, stru
         ini_complain(ini, "camera", "", "k1", "%s", wrong);
         return false;
     }
-    return true;
+    return read_detectors(from, ini, out);
 }

@@ -5,6 +5,7 @@
 #include "ini_schema.h"
 
 #include "detect/camera_pose.h"
+#include "detect/detector.h"
 
 struct rig_camera;
 
@@ -14,9 +15,11 @@ struct rig_eye {
     struct camera_seat seat;
     double focal_mm;
     int32_t latency_us; ///< from the middle of a frame's exposure to its time stamp
+    struct detector_settings detectors;
+    bool detects; ///< at least one detector is wanted
 };
 
-enum { RIG_CAMERA_KEY_COUNT = 19 };
+enum { RIG_CAMERA_KEY_COUNT = 21 };
 extern const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT];
 
 /// False: told on stderr what is wrong with the numbers.

@@ -114,31 +114,55 @@ static bool same_turn(const struct render_view *a, const struct render_view *b) 
            memcmp(a->up, b->up, sizeof a->up) == 0;
 }
 
+/// The backdrop's brightness where the corner (u, v) of pixels looks.
+static float backdrop_at(const struct render *render, const struct render_view *view,
+                         const struct render_backdrop *backdrop, uint32_t u, uint32_t v) {
+    const float *ray = render->corner[(size_t)v * (render->width_px + 1U) + u];
+    float world[3], at[3], sum = 0.0F, share = 0.5F;
+    to_world(view, ray, world);
+    const float length = sqrtf(world[0] * world[0] + world[1] * world[1] + world[2] * world[2]);
+    float scale = (float)(180.0 / 3.14159265358979323846 / backdrop->grain_deg) / length;
+    for (uint32_t octave = 0; octave < 3U; octave++) {
+        for (unsigned i = 0; i < 3U; i++) {
+            at[i] = world[i] * scale + 100.0F;
+        }
+        sum += share * noise_at(at, backdrop->seed + octave);
+        scale *= 2.7F;
+        share *= 0.6F;
+    }
+    return (float)(backdrop->luma + backdrop->contrast * (double)sum);
+}
+
+/// Its finest patches are many pixels wide: worked out at every second corner, and between them by
+/// lines.
 static void draw_backdrop(struct render *render, const struct render_view *view,
                           const struct render_backdrop *backdrop) {
     if (render->has_backdrop && same_turn(view, &render->backdrop_view) &&
         memcmp(backdrop, &render->backdrop_of, sizeof *backdrop) == 0) {
         return;
     }
-    const float fineness = (float)(180.0 / 3.14159265358979323846 / backdrop->grain_deg);
+    const uint32_t width = render->width_px, columns = width / 2U + 1U;
+    float *upper = render->scratch, *lower = render->scratch + columns;
+    for (uint32_t u = 0; u < columns; u++) {
+        lower[u] = backdrop_at(render, view, backdrop, 2U * u, 0);
+    }
     for (uint32_t v = 0; v < render->height_px; v++) {
-        for (uint32_t u = 0; u < render->width_px; u++) {
-            float ray[3], world[3], at[3], sum = 0.0F;
-            ray_in(render, u, v, 0.5F, 0.5F, ray);
-            to_world(view, ray, world);
-            const float length =
-                sqrtf(world[0] * world[0] + world[1] * world[1] + world[2] * world[2]);
-            float scale = fineness / length, share = 0.5F;
-            for (uint32_t octave = 0; octave < 3U; octave++) {
-                for (unsigned i = 0; i < 3U; i++) {
-                    at[i] = world[i] * scale + 100.0F;
-                }
-                sum += share * noise_at(at, backdrop->seed + octave);
-                scale *= 2.7F;
-                share *= 0.6F;
+        if (v % 2U == 0U) {
+            float *swap = upper;
+            upper = lower;
+            lower = swap;
+            const uint32_t below = v + 2U <= render->height_px ? v + 2U : render->height_px;
+            for (uint32_t u = 0; u < columns; u++) {
+                lower[u] = backdrop_at(render, view, backdrop, 2U * u, below);
             }
-            render->backdrop[(size_t)v * render->width_px + u] =
-                (float)(backdrop->luma + backdrop->contrast * (double)sum);
+        }
+        const float down = v % 2U == 0U ? 0.25F : 0.75F;
+        float *row = render->backdrop + (size_t)v * width;
+        for (uint32_t u = 0; u < width; u++) {
+            const uint32_t left = u / 2U, right = left + 1U < columns ? left + 1U : left;
+            const float across = u % 2U == 0U ? 0.25F : 0.75F;
+            row[u] = mix(mix(upper[left], upper[right], across),
+                         mix(lower[left], lower[right], across), down);
         }
     }
     render->has_backdrop = true;
@@ -153,10 +177,10 @@ struct seen {
     const struct render_object *object;
     double distance_m;
     float centre[3], right[3], up[3], normal[3];
-    float depth;                  ///< plate: centre . normal
-    float right_norm2, up_norm2;  ///< plate
-    float radius2, distance2;     ///< ball
-    float unit[3], reach; ///< the cone that holds it, its half-angle in radians
+    float depth;                 ///< plate: centre . normal
+    float right_norm2, up_norm2; ///< plate
+    float radius2, distance2;    ///< ball
+    float unit[3], reach;        ///< the cone that holds it, its half-angle in radians
 };
 
 static double dot(const double a[3], const double b[3]) {
@@ -203,18 +227,17 @@ static struct seen see(const struct render_view *view, const struct render_objec
     return seen;
 }
 
-/// What a ray meets: -1: nothing, else its brightness.
-static float hit(const struct seen *seen, const float ray[3]) {
+/// Where a ray is relative to a plate: beyond which of its edges, else which of its cells.
+struct meeting {
+    unsigned beyond; ///< bits: left, right, below, above, behind the camera
+    uint32_t cell;
+};
+
+static struct meeting meet_plate(const struct seen *seen, const float ray[3]) {
     const struct render_object *object = seen->object;
-    if (object->shape == RENDER_BALL) {
-        const float along = dotf(ray, seen->centre);
-        const float miss2 = seen->distance2 - along * along / dotf(ray, ray);
-        return along > 0.0F && miss2 <= seen->radius2 ? (float)object->luma : -1.0F;
-    }
-    const float slope = dotf(ray, seen->normal);
-    const float reach = seen->depth / slope;
+    const float reach = seen->depth / dotf(ray, seen->normal);
     if (!(reach > 0.0F)) { // also when the ray is in the plane
-        return -1.0F;
+        return (struct meeting){.beyond = 16U};
     }
     float across = 0.0F, up = 0.0F;
     for (unsigned i = 0; i < 3U; i++) {
@@ -224,34 +247,88 @@ static float hit(const struct seen *seen, const float ray[3]) {
     }
     across /= seen->right_norm2;
     up /= seen->up_norm2;
-    if (across <= -1.0F || across >= 1.0F || up <= -1.0F || up >= 1.0F) {
+    const unsigned beyond = (across <= -1.0F ? 1U : 0U) | (across >= 1.0F ? 2U : 0U) |
+                            (up <= -1.0F ? 4U : 0U) | (up >= 1.0F ? 8U : 0U);
+    if (beyond != 0U || object->texture == NULL) {
+        return (struct meeting){.beyond = beyond};
+    }
+    uint32_t column = (uint32_t)((across + 1.0F) * 0.5F * (float)object->columns);
+    uint32_t row = (uint32_t)((1.0F - up) * 0.5F * (float)object->rows);
+    column = column < object->columns ? column : object->columns - 1U;
+    row = row < object->rows ? row : object->rows - 1U;
+    return (struct meeting){.cell = row * object->columns + column};
+}
+
+static bool meets_ball(const struct seen *seen, const float ray[3]) {
+    const float along = dotf(ray, seen->centre);
+    return along > 0.0F && seen->distance2 - along * along / dotf(ray, ray) <= seen->radius2;
+}
+
+/// What a ray meets: -1: nothing, else its brightness.
+static float hit(const struct seen *seen, const float ray[3]) {
+    const struct render_object *object = seen->object;
+    if (object->shape == RENDER_BALL) {
+        return meets_ball(seen, ray) ? (float)object->luma : -1.0F;
+    }
+    const struct meeting meeting = meet_plate(seen, ray);
+    if (meeting.beyond != 0U) {
         return -1.0F;
     }
-    if (object->texture == NULL) {
-        return (float)object->luma;
+    const uint8_t luma = object->texture == NULL ? object->luma : object->texture[meeting.cell];
+    return luma == 0U && object->texture != NULL ? -1.0F : (float)luma;
+}
+
+enum cover { COVERED_IN_PART, COVERED_WHOLLY, NOT_COVERED };
+
+/// Pixels, cells and discs are convex: where all four corners of a pixel are in one cell, or in the
+/// disc, all of it is; and where all are beyond the same edge, nothing is.
+static enum cover cover_of(const struct render *render, const struct seen *seen, uint32_t u,
+                           uint32_t v) {
+    const size_t line = render->width_px + 1U, first = v * line + u;
+    const size_t corner[4] = {first, first + 1U, first + line, first + line + 1U};
+    if (seen->object->shape == RENDER_BALL) {
+        unsigned within = 0;
+        for (unsigned i = 0; i < 4U; i++) {
+            within += meets_ball(seen, render->corner[corner[i]]);
+        }
+        return within == 4U ? COVERED_WHOLLY : COVERED_IN_PART;
     }
-    const uint32_t column = (uint32_t)((across + 1.0F) * 0.5F * (float)object->columns);
-    const uint32_t row = (uint32_t)((1.0F - up) * 0.5F * (float)object->rows);
-    const uint8_t luma =
-        object->texture[(row < object->rows ? row : object->rows - 1U) * object->columns +
-                        (column < object->columns ? column : object->columns - 1U)];
-    return luma == 0U ? -1.0F : (float)luma;
+    unsigned any = 0, all = ~0U;
+    bool same = true;
+    uint32_t cell = 0;
+    for (unsigned i = 0; i < 4U; i++) {
+        const struct meeting meeting = meet_plate(seen, render->corner[corner[i]]);
+        any |= meeting.beyond;
+        all &= meeting.beyond;
+        cell = i == 0U ? meeting.cell : cell;
+        same = same && meeting.cell == cell;
+    }
+    // Beyond the camera's own plane edges change sides: no short cut there.
+    return (any & 16U) != 0U   ? COVERED_IN_PART
+           : all != 0U         ? NOT_COVERED
+           : any == 0U && same ? COVERED_WHOLLY
+                               : COVERED_IN_PART;
 }
 
 static void draw_pixel(struct render *render, const struct seen *seen, uint32_t u, uint32_t v) {
+    const enum cover cover = cover_of(render, seen, u, v);
+    if (cover == NOT_COVERED) {
+        return;
+    }
+    const unsigned side = cover == COVERED_WHOLLY ? 1U : SAMPLES;
     float sum = 0.0F;
     unsigned hits = 0;
-    for (unsigned i = 0; i < SAMPLES * SAMPLES; i++) {
+    for (unsigned i = 0; i < side * side; i++) {
         float ray[3];
-        ray_in(render, u, v, ((float)(i % SAMPLES) + 0.5F) / SAMPLES,
-               ((float)(i / SAMPLES) + 0.5F) / SAMPLES, ray);
+        ray_in(render, u, v, ((float)(i % side) + 0.5F) / (float)side,
+               ((float)(i / side) + 0.5F) / (float)side, ray);
         const float luma = hit(seen, ray);
         hits += luma >= 0.0F;
         sum += luma >= 0.0F ? luma : 0.0F;
     }
-    const float share = (float)hits / (SAMPLES * SAMPLES);
+    const float samples = (float)(side * side);
     float *light = &render->light[(size_t)v * render->width_px + u];
-    *light = *light * (1.0F - share) + sum / (SAMPLES * SAMPLES);
+    *light = *light * (1.0F - (float)hits / samples) + sum / samples;
 }
 
 /// Can any of the tile's pixels show the object? The tile's own half diagonal counts.
@@ -299,17 +376,17 @@ static int compare_seen(const void *a, const void *b) {
 
 enum { BLUR_REACH_MAX = 16 };
 
-/// One direction of the blur: from `from` to `to`, along lines of `count` pixels `step` apart.
-static void blur_line(const float *from, float *to, size_t step, uint32_t count,
-                      const float *weight, int reach) {
-    for (int i = 0; i < (int)count; i++) {
-        float sum = 0.0F;
-        for (int k = -reach; k <= reach; k++) {
-            int at = i + k;
-            at = at < 0 ? 0 : at >= (int)count ? (int)count - 1 : at;
-            sum += weight[k < 0 ? -k : k] * from[(size_t)at * step];
-        }
-        to[(size_t)i * step] = sum;
+/// Adds weight * from, shifted by `shift` pixels to the right within the row; the ends repeat.
+static void add_shifted(float *to, const float *from, int count, int shift, float weight) {
+    const int begin = shift < 0 ? -shift : 0, end = shift > 0 ? count - shift : count;
+    for (int i = 0; i < begin; i++) {
+        to[i] += weight * from[0];
+    }
+    for (int i = begin; i < end; i++) {
+        to[i] += weight * from[i + shift];
+    }
+    for (int i = end; i < count; i++) {
+        to[i] += weight * from[count - 1];
     }
 }
 
@@ -324,13 +401,21 @@ static void blur(struct render *render, double deviation_px) {
     for (int i = 0; i <= reach; i++) {
         weight[i] /= sum;
     }
-    for (uint32_t v = 0; v < render->height_px; v++) {
-        const size_t row = (size_t)v * render->width_px;
-        blur_line(render->light + row, render->scratch + row, 1, render->width_px, weight, reach);
+    const int width = (int)render->width_px, height = (int)render->height_px;
+    memset(render->scratch, 0, (size_t)width * (size_t)height * sizeof *render->scratch);
+    for (int v = 0; v < height; v++) {
+        const size_t row = (size_t)v * (size_t)width;
+        for (int k = -reach; k <= reach; k++) {
+            add_shifted(render->scratch + row, render->light + row, width, k, weight[abs(k)]);
+        }
     }
-    for (uint32_t u = 0; u < render->width_px; u++) {
-        blur_line(render->scratch + u, render->light + u, render->width_px, render->height_px,
-                  weight, reach);
+    memset(render->light, 0, (size_t)width * (size_t)height * sizeof *render->light);
+    for (int v = 0; v < height; v++) {
+        for (int k = -reach; k <= reach; k++) {
+            const int from = v + k < 0 ? 0 : v + k >= height ? height - 1 : v + k;
+            add_shifted(render->light + (size_t)v * (size_t)width,
+                        render->scratch + (size_t)from * (size_t)width, width, 0, weight[abs(k)]);
+        }
     }
 }
 

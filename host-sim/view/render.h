@@ -77,7 +77,7 @@ void render_destroy(struct render *render);
 /// arguments only.
 /// Accuracy: the centroid of a ball within 0.01 px of the truth, edges of a plate too
 ///           (tests/scenario/test_render.c, by geometry of its own).
-/// Cost:     about 20 ns a pixel, the backdrop 60 more when the view changes.
+/// Cost:     about 20 ns a pixel, and as much again where edges are and when the view changes.
 void render_frame(struct render *render, const struct render_view *view,
                   const struct render_backdrop *backdrop, const struct render_object *objects,
                   uint32_t object_count, const struct render_sensor *sensor, uint8_t *picture,

@@ -72,16 +72,27 @@ struct camera_model frames_model(const struct frames *frames) {
         lens.k1,      lens.k2,       lens.p1,          lens.p2,          0.0, 0.0};
 }
 
-struct hal_camera_luma frames_draw(struct frames *frames, const struct render_backdrop *backdrop,
-                                   const struct render_object *objects, uint32_t count,
-                                   const struct render_sensor *sensor) {
-    static const struct render_view north = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
-    render_frame(&frames->render, &north, backdrop, objects, count, sensor, &frames->picture[0][0],
+struct hal_camera_luma frames_draw_from(struct frames *frames, const struct camera_view *turned,
+                                        const struct render_backdrop *backdrop,
+                                        const struct render_object *objects, uint32_t count,
+                                        const struct render_sensor *sensor) {
+    struct render_view view = {.at_m = {0.0, 0.0, 0.0}};
+    memcpy(view.right, turned->right, sizeof view.right);
+    memcpy(view.ahead, turned->ahead, sizeof view.ahead);
+    memcpy(view.up, turned->up, sizeof view.up);
+    render_frame(&frames->render, &view, backdrop, objects, count, sensor, &frames->picture[0][0],
                  FRAMES_WIDTH);
     return (struct hal_camera_luma){.luma = &frames->picture[0][0],
                                     .width_px = FRAMES_WIDTH,
                                     .height_px = FRAMES_HEIGHT,
                                     .stride_bytes = FRAMES_WIDTH};
+}
+
+struct hal_camera_luma frames_draw(struct frames *frames, const struct render_backdrop *backdrop,
+                                   const struct render_object *objects, uint32_t count,
+                                   const struct render_sensor *sensor) {
+    static const struct camera_view north = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    return frames_draw_from(frames, &north, backdrop, objects, count, sensor);
 }
 
 double frames_cpu_s(void) {

@@ -4,7 +4,7 @@
 #ifndef PROPERTY_FRAMES_H
 #define PROPERTY_FRAMES_H
 
-#include "detect/camera_model.h"
+#include "detect/camera_pose.h"
 #include "hal/camera.h"
 #include "view/render.h"
 
@@ -39,6 +39,12 @@ struct camera_model frames_model(const struct frames *frames);
 struct hal_camera_luma frames_draw(struct frames *frames, const struct render_backdrop *backdrop,
                                    const struct render_object *objects, uint32_t count,
                                    const struct render_sensor *sensor);
+
+/// The same for a camera that is turned.
+struct hal_camera_luma frames_draw_from(struct frames *frames, const struct camera_view *turned,
+                                        const struct render_backdrop *backdrop,
+                                        const struct render_object *objects, uint32_t count,
+                                        const struct render_sensor *sensor);
 
 /// Seconds of processor time of this thread, for notes only.
 double frames_cpu_s(void);
