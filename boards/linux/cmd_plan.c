@@ -7,7 +7,7 @@
 #include <string.h>
 
 struct settings {
-    const char *mounts, *rig, *size, *distance, *above, *unit_cm, *picture;
+    const char *mounts, *rig, *scene, *size, *distance, *above, *unit_cm, *picture;
     uint64_t count;
     int rank; ///< enum rank
     bool named, lines, json;
@@ -23,6 +23,8 @@ static const struct option options[] = {
      offsetof(struct settings, named), NULL},
     {"--rig", "RIG.ini", "its limits, lens and sensor (none: any direction, any zoom)", option_text,
      offsetof(struct settings, rig), NULL},
+    {"--scene", "FILE.scene", "what may be in the way: solids and faces", option_text,
+     offsetof(struct settings, scene), NULL},
     {"--size", "WxH", "of the picture in pixels (1280x720)", option_text,
      offsetof(struct settings, size), NULL},
     {"--rank", "px|cm", "by the margin in the picture, or of the mount's place (px)", option_choice,
@@ -47,6 +49,7 @@ static const struct option options[] = {
 struct work {
     const struct settings *settings;
     struct rig rig;
+    struct scene_text scene;
     struct plan plan;
     struct plan_region region;
     char *words; ///< of proposals
@@ -119,6 +122,16 @@ static enum exit_status read_rig(struct work *work) {
         mount_init(&work->plan.camera.mount, work->rig.controller.attitude);
     }
     return status;
+}
+
+static enum exit_status read_scene(struct work *work) {
+    const char *const file = work->settings->scene;
+    if (file == NULL) {
+        return EXIT_STATUS_OK;
+    }
+    work->plan.text = &work->scene;
+    work->plan.text_file = name_of_file(file);
+    return scene_text_read(file, true, &work->scene);
 }
 
 static enum exit_status read_places(const struct work *work, const char *file, struct points *out) {
@@ -267,7 +280,7 @@ static enum exit_status draw(const struct work *work, const struct plan_sphere *
     return plan_draw(&work->plan, sphere, title, work->settings->picture);
 }
 
-static enum exit_status finish(const struct work *work) {
+static enum exit_status finish(struct work *work) {
     struct plan_sphere sphere = {0};
     enum exit_status status = EXIT_STATUS_OK;
     if (work->ranking.count != 0U &&
@@ -291,6 +304,9 @@ static enum exit_status finish(const struct work *work) {
 
 static enum exit_status run_work(struct work *work, const char *file) {
     enum exit_status status = read_rig(work);
+    if (status == EXIT_STATUS_OK) {
+        status = read_scene(work);
+    }
     if (status == EXIT_STATUS_OK) {
         status = read_targets(work, file);
     }
@@ -318,6 +334,7 @@ static enum exit_status run(const struct command *command, int argc, char *const
     }
     const enum exit_status status = run_work(&work, file);
     rig_free(&work.rig);
+    scene_text_free(&work.scene);
     free(work.ranking.views);
     free(work.ranking.order);
     free(work.words);
@@ -358,6 +375,7 @@ const struct command command_plan = {
         "  zoom focal_mm    the lens: `fits`, `no margin`, `too wide`, or `small`: at its long "
         "end\n"
         "                   the targets don't fill the picture\n"
+        "  hidden hidden_by targets that the scene hides, and the name of an object that does\n"
         "  lines_through planes_through\n"
         "                   pairs and triples of targets with the mount on their line or plane\n"
         "  lined_up lined_up_first\n"

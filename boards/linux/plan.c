@@ -28,8 +28,10 @@ static bool lay_grid(struct plan *plan, struct points *all, const struct points 
                      const char *mounts, double reach) {
     char far[64];
     const int size = snprintf(far, sizeof far, "%.3e%c0%c0", reach, '\0', '\0');
+    const struct points *const scene = plan->text == NULL ? NULL : &plan->text->vertices;
     if (!add_words(all, targets->place_text, plan->target_count) ||
         !add_words(all, mounts, plan->mount_count) ||
+        (scene != NULL && !add_words(all, scene->place_text, scene->count)) ||
         (reach > 0 && (size < 0 || !add_words(all, far, 1)))) {
         return false;
     }
@@ -86,8 +88,10 @@ enum exit_status plan_set(struct plan *plan, const struct points *targets, const
     plan->workspace = malloc(plan->workspace_bytes);
     plan->image = malloc((2U * (size_t)targets->count + 1U) * sizeof *plan->image);
     plan->directions = malloc(((size_t)targets->count + 1U) * sizeof *plan->directions);
+    plan->hidden = malloc(((size_t)targets->count + 1U) * sizeof *plan->hidden);
+    plan->hidden_by = malloc(((size_t)targets->count + 1U) * sizeof *plan->hidden_by);
     good = good && plan->workspace != NULL && plan->image != NULL && plan->directions != NULL &&
-           enclose(plan);
+           plan->hidden != NULL && plan->hidden_by != NULL && enclose(plan);
     if (good && !(plan->grid > 1e-90 && plan->grid < 1e90)) {
         message_command("plan", "coordinates beyond 10^90, or none above 10^-90");
         return EXIT_STATUS_USAGE;
@@ -97,7 +101,9 @@ enum exit_status plan_set(struct plan *plan, const struct points *targets, const
                         (unsigned long)targets->count, (unsigned long)mount_count);
         return EXIT_STATUS_FAILURE;
     }
-    return EXIT_STATUS_OK;
+    return plan->text == NULL ? EXIT_STATUS_OK
+                              : plan_scene_set(&plan->scene, plan->text, plan->text_file,
+                                               plan->mounts + plan->mount_count, plan->exact);
 }
 
 void plan_free(struct plan *plan) {
@@ -105,6 +111,10 @@ void plan_free(struct plan *plan) {
     free(plan->workspace);
     free(plan->image);
     free(plan->directions);
+    free(plan->hidden);
+    free(plan->hidden_by);
+    plan_scene_free(&plan->scene);
+    plan->hidden = plan->hidden_by = NULL;
     plan->targets = plan->mounts = plan->directions = NULL;
     plan->workspace = NULL;
     plan->image = NULL;

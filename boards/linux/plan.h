@@ -6,6 +6,7 @@
 #ifndef LINUX_PLAN_H
 #define LINUX_PLAN_H
 
+#include "plan_scene.h"
 #include "points.h"
 #include "rig.h"
 
@@ -27,8 +28,10 @@ struct plan_camera {
 
 struct plan {
     struct plan_camera camera;
-    bool planes;    ///< three targets on a line count, too
-    double unit_cm; ///< of the files' unit
+    bool planes;                   ///< three targets on a line count, too
+    double unit_cm;                ///< of the files' unit
+    const struct scene_text *text; ///< what may be in the way; NULL: nothing
+    const char *text_file;
     // The grid: in units of `grid` of the files' unit.
     bool exact; ///< the places are as written
     double grid;
@@ -38,7 +41,9 @@ struct plan {
     uint32_t mount_count;
     // The smallest sphere of the targets, in the files' unit.
     double center[3], radius;
+    struct plan_scene scene;
     double *image; ///< scratch: x and y in pixels of each target
+    uint32_t *hidden, *hidden_by;
     void *workspace;
     size_t workspace_bytes;
     struct vec3 *directions;
@@ -79,15 +84,20 @@ struct plan_view {
     // In the picture: the two targets that are closest together, and the flattest three.
     double focal_px, pair_px, triple_px, margin_px;
     uint32_t pair[2], triple[3];
+    uint32_t hidden_count; ///< targets that the scene hides
     bool usable;
 };
 
 /// All of it; plan->mounts need not hold the place.
 /// Returns: EXIT_STATUS_OK, or another after a line on stderr.
-enum exit_status plan_look(const struct plan *plan, struct vec3 at, struct plan_view *out);
+enum exit_status plan_look(struct plan *plan, struct vec3 at, struct plan_view *out);
 
 /// Only what a search needs: the cone, what the rig can do, and the margins in pixels.
-void plan_glance(const struct plan *plan, struct vec3 at, struct plan_view *out);
+void plan_glance(struct plan *plan, struct vec3 at, struct plan_view *out);
+
+/// The targets that the scene hides from there, and by which of its objects, in plan->hidden and
+/// plan->hidden_by. Returns: how many.
+uint32_t plan_hidden(struct plan *plan, struct vec3 at);
 
 /// Where to look for mounts.
 struct plan_region {

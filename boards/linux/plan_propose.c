@@ -53,7 +53,7 @@ static bool place_of(const struct search *s, const double direction[3], struct v
     return true;
 }
 
-static void rate(const struct search *s, struct candidate *candidate) {
+static void rate(struct search *s, struct candidate *candidate) {
     struct vec3 at;
     candidate->score = -1;
     if (place_of(s, candidate->direction, &at)) {
@@ -66,7 +66,7 @@ static void rate(const struct search *s, struct candidate *candidate) {
 }
 
 /// Goes uphill in steps to eight sides that get smaller.
-static void climb(const struct search *s, struct candidate *best) {
+static void climb(struct search *s, struct candidate *best) {
     for (double step = first_step_rad; step > last_step_rad;) {
         const double *const d = best->direction;
         // Two directions across d, from the axis that is least along it.
@@ -97,19 +97,21 @@ static int by_score(const void *a, const void *b) {
     return x > y ? -1 : x < y;
 }
 
-/// Keeps those that can be used and are apart from every better one, the best first.
-static uint32_t thin_out(struct candidate *candidates, uint32_t count, uint32_t most) {
+/// The best of them that can be used and are apart from every better one, the best first; sorts the
+/// candidates.
+static uint32_t pick(struct candidate *candidates, uint32_t count, struct candidate *picked,
+                     uint32_t most) {
     uint32_t kept = 0;
     qsort(candidates, count, sizeof *candidates, by_score);
     for (uint32_t i = 0; i < count && kept < most; i++) {
         const double *const a = candidates[i].direction;
         bool apart = candidates[i].score >= 0;
         for (uint32_t j = 0; j < kept && apart; j++) {
-            const double *const b = candidates[j].direction;
+            const double *const b = picked[j].direction;
             apart = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < cos(apart_deg / MEASURE_DEG_PER_RAD);
         }
         if (apart) {
-            candidates[kept++] = candidates[i];
+            picked[kept++] = candidates[i];
         }
     }
     return kept;
@@ -140,11 +142,13 @@ static char *write_words(const struct search *s, const struct candidate *candida
 uint32_t plan_propose(const struct points *targets, const struct plan *settings,
                       const struct plan_region *region, char **words) {
     struct search s = {.plan = *settings, .region = region};
+    s.plan.scene = (struct plan_scene){0};
     double reach = 0;
     for (int axis = 0; axis < 3; axis++) {
         reach = fmax(reach, fabs(settings->center[axis]) + settings->radius + region->distance);
     }
-    struct candidate *const candidates = malloc(SAMPLES * sizeof *candidates);
+    const uint32_t most = 2U * region->count + 4U;
+    struct candidate *const candidates = malloc((SAMPLES + 2U * most) * sizeof *candidates);
     uint32_t count = UINT32_MAX;
     if (plan_set(&s.plan, targets, NULL, 0, reach) == EXIT_STATUS_OK && candidates != NULL) {
         // Evenly over the sphere: a spiral that turns by the golden angle.
@@ -154,12 +158,14 @@ uint32_t plan_propose(const struct points *targets, const struct plan *settings,
             candidates[i] = (struct candidate){.direction = {r * cos(angle), r * sin(angle), z}};
             rate(&s, &candidates[i]);
         }
-        count = thin_out(candidates, SAMPLES, 2U * region->count + 4U);
-        for (uint32_t i = 0; i < count; i++) {
-            climb(&s, &candidates[i]);
+        // Several may climb the same hill; the samples themselves fill up what is missing then.
+        struct candidate *const climbed = candidates + SAMPLES, *const best = climbed + most;
+        const uint32_t climbers = pick(candidates, SAMPLES, climbed, most);
+        for (uint32_t i = 0; i < climbers; i++) {
+            climb(&s, &climbed[i]);
         }
-        count = thin_out(candidates, count, region->count);
-        *words = write_words(&s, candidates, count);
+        count = pick(candidates, SAMPLES + climbers, best, region->count);
+        *words = write_words(&s, best, count);
         count = *words == NULL ? UINT32_MAX : count;
     }
     free(candidates);

@@ -9,7 +9,7 @@
 
 struct page {
     const struct plan_ranking *ranking;
-    const struct plan *plan;
+    struct plan *plan;
 };
 
 static void print_targets(struct facts *facts, const struct page *page, const char *name,
@@ -32,6 +32,7 @@ static const char *why_not(const struct plan_view *view, const struct plan *plan
            : view->cone_status != CONE_OK       ? "no direction sees all targets"
            : !view->reachable                   ? "out of the rig's reach"
            : view->zoom == PLAN_ZOOM_TOO_WIDE   ? "wider than the lens"
+           : view->hidden_count != 0U           ? "targets are hidden"
                                                 : NULL;
 }
 
@@ -56,6 +57,24 @@ static void print_cone(struct facts *facts, const struct page *page, const struc
         facts_bool(facts, "reachable", view->reachable);
         facts_text(facts, "zoom", zooms[view->zoom]);
         facts_significant(facts, "focal_mm", view->focal_mm, 9);
+    }
+}
+
+/// The hidden targets, and the names of what hides them; unnamed objects have none.
+static void print_hidden(struct facts *facts, const struct page *page,
+                         const struct plan_view *view) {
+    struct plan *const plan = page->plan;
+    if (plan->text == NULL) {
+        return;
+    }
+    const uint32_t count = plan_hidden(plan, view->at);
+    print_targets(facts, page, "hidden", plan->hidden, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t name = plan->text->objects[plan->hidden_by[i]].name;
+        if (name != SCENE_NONE) {
+            facts_text(facts, "hidden_by", plan->text->names + name);
+            return;
+        }
     }
 }
 
@@ -126,6 +145,7 @@ static void print_view(struct facts *facts, const struct page *page, uint32_t ra
         print_targets(facts, page, "target", &view->at_target, 1);
     } else {
         print_cone(facts, page, view);
+        print_hidden(facts, page, view);
         print_margins(facts, page, view);
     }
     if (facts->as_json) {
@@ -133,7 +153,7 @@ static void print_view(struct facts *facts, const struct page *page, uint32_t ra
     }
 }
 
-void plan_report(const struct plan_ranking *ranking, const struct plan *plan,
+void plan_report(const struct plan_ranking *ranking, struct plan *plan,
                  const struct plan_sphere *sphere, bool as_json) {
     const struct page whole = {ranking, plan}, *const page = &whole;
     const struct viewpoint_result *const any =

@@ -13,7 +13,7 @@ struct plan_ranking {
 };
 
 /// Prints all of it to stdout. sphere: of the best mount.
-void plan_report(const struct plan_ranking *ranking, const struct plan *plan,
+void plan_report(const struct plan_ranking *ranking, struct plan *plan,
                  const struct plan_sphere *sphere, bool as_json);
 
 #endif

@@ -136,7 +136,14 @@ static void find_triple(const struct plan *plan, struct plan_view *view) {
     view->triple_px = sqrt(best);
 }
 
-void plan_glance(const struct plan *plan, struct vec3 at, struct plan_view *out) {
+uint32_t plan_hidden(struct plan *plan, struct vec3 at) {
+    return plan->text == NULL
+               ? 0U
+               : plan_scene_hidden(&plan->scene, at, plan->targets, plan->target_count,
+                                   plan->hidden, plan->hidden_by);
+}
+
+void plan_glance(struct plan *plan, struct vec3 at, struct plan_view *out) {
     *out = (struct plan_view){.at = at,
                               .pair_px = INFINITY,
                               .triple_px = INFINITY,
@@ -154,7 +161,8 @@ void plan_glance(const struct plan *plan, struct vec3 at, struct plan_view *out)
         find_triple(plan, out);
     }
     out->margin_px = out->pair_px < out->triple_px ? out->pair_px : out->triple_px;
-    out->usable = out->reachable && out->zoom != PLAN_ZOOM_TOO_WIDE;
+    out->hidden_count = plan_hidden(plan, at);
+    out->usable = out->reachable && out->zoom != PLAN_ZOOM_TOO_WIDE && out->hidden_count == 0U;
 }
 
 // ---------------------------------------------------------------- margins in space
@@ -207,7 +215,7 @@ static void set_plane_foot(const struct plan *plan, struct plan_view *view) {
     view->plane_foot[2] = clean(plan, view->at.z - part * nz);
 }
 
-enum exit_status plan_look(const struct plan *plan, struct vec3 at, struct plan_view *out) {
+enum exit_status plan_look(struct plan *plan, struct vec3 at, struct plan_view *out) {
     plan_glance(plan, at, out);
     const enum viewpoint_status status =
         viewpoint_margins(plan->targets, plan->target_count, at, plan->planes, &out->margins);

@@ -37,7 +37,7 @@ static void write_place(FILE *out, const int32_t c[3]) {
 }
 
 /// Draws targets and a mount that is at none of them, and looks from there.
-static bool look(struct set *s, uint32_t least) {
+static bool look_past(struct set *s, uint32_t least, const struct scene_text *scene) {
     char text[1024], mount[100] = "";
     const char *const end = mount + sizeof mount;
     FILE *out = fmemopen(text, sizeof text, "w");
@@ -67,13 +67,20 @@ static bool look(struct set *s, uint32_t least) {
     }
     FILE *const in = messages_input(text, strlen(text));
     const struct points_format format = {.input = POINTS_XYZ, .places = true};
-    s->plan = (struct plan){
-        .camera = {.width_px = 1280, .height_px = 720}, .planes = true, .unit_cm = 100};
+    s->plan = (struct plan){.camera = {.width_px = 1280, .height_px = 720},
+                            .planes = true,
+                            .unit_cm = 100,
+                            .text = scene,
+                            .text_file = "scene"};
     const bool good = points_read_stream(in, "t", &format, &s->points) == EXIT_STATUS_OK &&
                       plan_set(&s->plan, &s->points, mount, 1, 0) == EXIT_STATUS_OK &&
                       plan_look(&s->plan, s->plan.mounts[0], &s->view) == EXIT_STATUS_OK;
     fclose(in);
     return CHECK(good);
+}
+
+static bool look(struct set *s, uint32_t least) {
+    return look_past(s, least, NULL);
 }
 
 static void forget(struct set *s) {
@@ -287,6 +294,132 @@ static void spheres(void) {
     CHECK(walks > 30U);
 }
 
+// ---------------------------------------------------------------- what is in the way
+
+struct box {
+    int32_t low[3], high[3];
+};
+
+/// As Wavefront OBJ: a solid, or only its lid as a face.
+static void write_box(FILE *out, const struct box *box, bool solid, int number) {
+    static const char *const faces[] = {"4 3 2 1", "5 6 7 8", "1 2 6 5",
+                                        "2 3 7 6", "3 4 8 7", "4 1 5 8"};
+    static const int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                     {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    fprintf(out, "o box%d\n", number);
+    for (int i = 0; i < 8; i++) {
+        int32_t c[3];
+        for (int k = 0; k < 3; k++) {
+            c[k] = corner[i][k] != 0 ? box->high[k] : box->low[k];
+        }
+        fputs("v ", out);
+        write_place(out, c);
+    }
+    for (int i = solid ? 0 : 1; i < (solid ? 6 : 2); i++) {
+        fputs("f", out);
+        for (const char *at = faces[i]; *at != '\0'; at += 2) {
+            fprintf(out, " %d", 8 * number + *at - '0');
+            if (at[1] == '\0') {
+                break;
+            }
+        }
+        fputc('\n', out);
+    }
+}
+
+/// Is some point of the way from a to b strictly inside the box? By slabs, in exact fractions.
+static bool box_hides(const struct box *box, const int32_t a[3], const int32_t b[3]) {
+    int64_t low_num = 0, low_den = 1, high_num = 1, high_den = 1;
+    for (int k = 0; k < 3; k++) {
+        const int64_t d = (int64_t)b[k] - a[k], den = d < 0 ? -d : d;
+        const int64_t enter = (int64_t)box->low[k] - a[k], leave = (int64_t)box->high[k] - a[k];
+        const int64_t first = d < 0 ? -leave : enter, last = d < 0 ? -enter : leave;
+        if (d == 0 && !(enter < 0 && leave > 0)) {
+            return false;
+        }
+        if (d != 0 && first * low_den > low_num * den) {
+            low_num = first;
+            low_den = den;
+        }
+        if (d != 0 && last * high_den < high_num * den) {
+            high_num = last;
+            high_den = den;
+        }
+    }
+    return high_num * low_den > low_num * high_den;
+}
+
+/// Does the way from a to b pierce the box's lid, strictly inside and between the ends?
+static bool lid_is_pierced(const struct box *box, const int32_t a[3], const int32_t b[3]) {
+    const int64_t d = (int64_t)b[2] - a[2], up = (int64_t)box->high[2] - a[2];
+    if (d == 0 || (d > 0 ? up <= 0 || up >= d : up >= 0 || up <= d)) {
+        return false;
+    }
+    for (int k = 0; k < 2; k++) { // a + (b - a) up / d, strictly between the sides
+        const int64_t at = ((int64_t)b[k] - a[k]) * up, sign = d > 0 ? 1 : -1;
+        if (!(sign * (at - ((int64_t)box->low[k] - a[k]) * d) > 0 &&
+              sign * (((int64_t)box->high[k] - a[k]) * d - at) > 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void what_is_hidden(void) {
+    char path[] = "build/plan.XXXXXX";
+    unsigned hidden = 0, seen = 0;
+    close(mkstemp(path));
+    for (int round = 0; round < 400 && check_clean(); round++) {
+        struct box box[3];
+        bool solid[3];
+        const int boxes = 1 + (int)(check_random(&seed) % 3U);
+        FILE *const out = fopen(path, "w");
+        for (int i = 0; i < boxes; i++) {
+            solid[i] = check_random(&seed) % 3U != 0U;
+            const int32_t size = round % 2 == 0 ? 1 : 40; // targets are within 9, or 400
+            for (int k = 0; k < 3; k++) {
+                box[i].low[k] = size * draw(20);
+                box[i].high[k] = box[i].low[k] + size * (18 + draw(9));
+            }
+            write_box(out, &box[i], solid[i], i);
+        }
+        fclose(out);
+        struct scene_text scene;
+        struct set s;
+        if (!CHECK_EQ(scene_text_read(path, true, &scene), EXIT_STATUS_OK) ||
+            !look_past(&s, 3, &scene)) {
+            break;
+        }
+        const uint32_t count = plan_hidden(&s.plan, s.view.at);
+        for (uint32_t i = 0, at = 0; i < s.count; i++) {
+            bool wanted = false;
+            for (int k = 0; k < boxes; k++) {
+                wanted = wanted || (solid[k] ? box_hides(&box[k], s.mount, s.target[i])
+                                             : lid_is_pierced(&box[k], s.mount, s.target[i]));
+            }
+            const bool got = at < count && s.plan.hidden[at] == i;
+            at += got ? 1U : 0U;
+            if (!CHECK_EQ(got, wanted)) {
+                printf("  from %d %d %d to %d %d %d\n", s.mount[0], s.mount[1], s.mount[2],
+                       s.target[i][0], s.target[i][1], s.target[i][2]);
+                for (int k = 0; k < boxes; k++) {
+                    printf("  %s %d %d %d to %d %d %d\n", solid[k] ? "box" : "lid", box[k].low[0],
+                           box[k].low[1], box[k].low[2], box[k].high[0], box[k].high[1],
+                           box[k].high[2]);
+                }
+            }
+            *(wanted ? &hidden : &seen) += 1U;
+        }
+        CHECK(s.view.cone_status != CONE_OK || s.view.hidden_count == count);
+        CHECK(count == 0U || !s.view.usable);
+        forget(&s);
+        scene_text_free(&scene);
+    }
+    unlink(path);
+    printf("# targets hidden %u, seen %u\n", hidden, seen);
+    CHECK(hidden > 50U && seen > 100U);
+}
+
 static void pictures_are_xml(void) {
     char path[] = "build/plan.XXXXXX";
     const int file = mkstemp(path);
@@ -320,6 +453,7 @@ int main(void) {
     TEST(margins);
     TEST(pixels);
     TEST(spheres);
+    TEST(what_is_hidden);
     TEST(pictures_are_xml);
     return check_finish();
 }

@@ -106,6 +106,51 @@ printf '1e60 0 0\n5e60 1e60 1\n2 2e60 2\n' >"$dir/input"
 run plan --count 1 --json "$dir/input"
 has 'any unit' 0 'targets=3' 'ranking[0].usable=true'
 
+# A crate between the mount and one target, and a wall with a lamp on it.
+cat >"$dir/stage.scene" <<'END'
+o crate
+v 1 4 0
+v 2 4 0
+v 2 5 0
+v 1 5 0
+v 1 4 2
+v 2 4 2
+v 2 5 2
+v 1 5 2
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+o wall
+v -5 9 0
+v 5 9 0
+v 5 9 4
+v -5 9 4
+f -4 -3 -2 -1
+o wire
+v 0 2 0
+v 0 2 4
+l -2 -1
+END
+printf 'behind 1.5 8 1\nlamp -3 9 2\nfree 0 6 1\n' >"$dir/input"
+printf 'front 1.6 0 1\nhigh 1.6 0 6\nbeyond 0 12 1\n' >"$dir/two"
+run plan --named --scene "$dir/stage.scene" --mounts "$dir/two" --json "$dir/input"
+has 'a scene: what is hidden, and by what' 0 'ranking[0].name="high"' 'ranking[0].usable=true' 'ranking[0].hidden=[]' 'ranking[1].usable=false' \
+    'ranking[1].why_not="targets are hidden"'
+facts
+front=$(sed -n 's/^ranking\[\(.\)\].name="front"$/\1/p' "$dir/facts")
+beyond=$(sed -n 's/^ranking\[\(.\)\].name="beyond"$/\1/p' "$dir/facts")
+[ "$(fact "ranking[$front].hidden[0]")" = 0 ] && [ "$(fact "ranking[$front].hidden[1]")" = '' ] && [ "$(fact "ranking[$front].hidden_by")" = '"crate"' ] &&
+    [ "$(fact "ranking[$beyond].hidden[0]")" = 0 ] && [ "$(fact "ranking[$beyond].hidden[1]")" = 2 ] && [ "$(fact "ranking[$beyond].hidden_by")" = '"wall"' ]
+verdict 'the crate hides what is behind it, the wall all but the lamp on it' $?
+run plan --named --scene "$dir/stage.scene" --distance 12 --json "$dir/input"
+has 'proposals see past the scene' 0 'ranking[0].usable=true' 'ranking[0].hidden=[]' 'ranking[4].hidden=[]'
+echo 'v 1 2' >"$dir/bad.scene"
+run plan --named --scene "$dir/bad.scene" "$dir/input"
+ends 'a bad scene' 2 "$dir/bad.scene:1: a vertex has three coordinates"
+
 # ---------------------------------------------------------------- bad input
 printf '1 2 3\n\n# the same\n1 2 3.0\n' >"$dir/input"
 run plan "$dir/input"
