@@ -1,36 +1,52 @@
-/// `boresight scene`: build a sphere tree from a scene, tell about it, aim at what it holds.
+/// `boresight scene`: build a sphere tree from a scene, tell about it, aim at what it holds, draw
+/// it.
 #include "command.h"
 #include "facts.h"
 #include "measure.h"
 #include "scene_build.h"
 #include "scene_file.h"
+#include "scene_render.h"
 
 #include "aim/orient.h"
 #include "scene/scene_aim.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct settings {
-    struct triple viewpoint, up;
-    const char *output, *focal_px, *coarse_px;
+    struct triple viewpoint, up, aim;
+    const char *output, *focal_px, *coarse_px, *fov, *size, *targets;
+    int method; ///< of render
     bool points, json;
 };
 
+static const char *const render_methods[] = {"clip", "levine", NULL};
+
 static const struct option options[] = {
-    {"-o", "FILE", "build: where to write the tree", option_text, offsetof(struct settings, output),
-     NULL},
+    {"-o", "FILE", "build: where to write the tree; render: the picture, .svg or .png", option_text,
+     offsetof(struct settings, output), NULL},
     {"--coarse-px", "PX", "build: clusters below that radius are their centre (0.5; 0: never)",
      option_text, offsetof(struct settings, coarse_px), NULL},
     {"--points", NULL, "build: only points; leave faces and lines out", option_flag,
      offsetof(struct settings, points), NULL},
-    {"--viewpoint", "X,Y,Z", "aim: where the viewer is (0,0,0)", option_triple,
+    {"--viewpoint", "X,Y,Z", "aim, render: where the viewer is (0,0,0)", option_triple,
      offsetof(struct settings, viewpoint), NULL},
-    {"--up", "X,Y,Z", "aim: what shall be up in the picture (0,0,1)", option_triple,
+    {"--up", "X,Y,Z", "aim, render: what shall be up in the picture (0,0,1)", option_triple,
      offsetof(struct settings, up), NULL},
     {"--focal-px", "PX", "aim: at the resolution of a camera with that focal length", option_text,
      offsetof(struct settings, focal_px), NULL},
+    {"--aim", "X,Y,Z", "render: the place to look at (the targets in sight)", option_triple,
+     offsetof(struct settings, aim), NULL},
+    {"--fov", "DEG", "render: the angle of the picture's width (60)", option_text,
+     offsetof(struct settings, fov), NULL},
+    {"--size", "WxH", "render: of the picture in pixels (1280x720)", option_text,
+     offsetof(struct settings, size), NULL},
+    {"--targets", "FILE", "render: places to aim at, besides the scene's points", option_text,
+     offsetof(struct settings, targets), NULL},
+    {"--method", "clip|levine", "render: how hidden lines are found (clip)", option_choice,
+     offsetof(struct settings, method), render_methods},
     OPTION_JSON(struct settings),
 };
 
@@ -273,6 +289,134 @@ static enum exit_status aim(const struct command *command, const struct settings
     }
 }
 
+// ---------------------------------------------------------------- render
+
+static void to_reals(const struct triple *triple, double out[3]) {
+    for (int i = 0; i < 3 && triple->given; i++) {
+        out[i] = (double)decimal_value(&triple->component[i]);
+    }
+}
+
+/// WxH, each 16 to 16,384.
+static bool read_size(const char *text, uint32_t *width, uint32_t *height) {
+    unsigned w, h;
+    int end = 0;
+    if (sscanf(text, "%5ux%5u%n", &w, &h, &end) != 2 || text[end] != '\0' || w < 16U ||
+        w > 16384U || h < 16U || h > 16384U) {
+        return false;
+    }
+    *width = w;
+    *height = h;
+    return true;
+}
+
+static bool read_render(const struct command *command, const struct settings *settings,
+                        struct scene_render_options *out) {
+    *out = (struct scene_render_options){.up = {0, 0, 1},
+                                         .aim_given = settings->aim.given,
+                                         .fov_deg = 60,
+                                         .width = 1280,
+                                         .height = 720,
+                                         .targets = settings->targets,
+                                         .levine = settings->method == 1};
+    to_reals(&settings->viewpoint, out->viewpoint);
+    to_reals(&settings->aim, out->aim);
+    to_reals(&settings->up, out->up);
+    if (settings->output == NULL) {
+        message_command(command->name, "render: -o FILE says where to write the picture");
+        return false;
+    }
+    if (settings->fov != NULL &&
+        (!option_positive(command->name, "--fov", settings->fov, &out->fov_deg) ||
+         out->fov_deg < 0.001 || out->fov_deg > 170.0)) {
+        message_command(command->name, "--fov needs an angle from 0.001 to 170 degrees");
+        return false;
+    }
+    if (settings->size != NULL && !read_size(settings->size, &out->width, &out->height)) {
+        message_command(command->name, "--size %s: needs WxH in pixels, each from 16 to 16384",
+                        message_quoted(settings->size, strlen(settings->size)).text);
+        return false;
+    }
+    if (out->up[0] == 0 && out->up[1] == 0 && out->up[2] == 0) {
+        message_command(command->name, "--up: the zero vector has no direction");
+        return false;
+    }
+    return true;
+}
+
+static void print_render(const struct settings *settings,
+                         const struct scene_render_result *result) {
+    struct facts facts;
+    facts_begin(&facts, stdout, settings->json);
+    facts_u64(&facts, "objects", result->objects);
+    facts_u64(&facts, "edges", result->edges);
+    facts_u64(&facts, "segments", result->segments);
+    facts_u64(&facts, "targets", result->targets);
+    facts_u64(&facts, "targets_seen", result->targets_seen);
+    if (result->cone) {
+        facts_reals(&facts, "cone_axis", result->cone_axis, 3);
+        facts_fixed(&facts, "half_angle_deg", result->cone_half_angle_deg, 9);
+    } else {
+        facts_null(&facts, "half_angle_deg", "no picture holds the targets in sight");
+    }
+    facts_u64(&facts, "memory_bytes", result->memory_bytes);
+    facts_end(&facts);
+}
+
+/// Opens a tree, or reads a scene as text and makes one. out->block: to be freed, or NULL if
+/// out is mapped.
+static enum exit_status open_any(const char *path, struct scene_file *out, void **block) {
+    char magic[4] = "";
+    FILE *const stream = strcmp(path, "-") == 0 ? NULL : fopen(path, "rb");
+    *block = NULL;
+    *out = (struct scene_file){.block = NULL};
+    if (stream != NULL) {
+        const bool is_tree =
+            fread(magic, 1, sizeof magic, stream) == sizeof magic && memcmp(magic, "COCA", 4) == 0;
+        (void)fclose(stream);
+        if (is_tree) {
+            return scene_file_open(path, out);
+        }
+    }
+    struct scene_text scene;
+    enum exit_status status = scene_text_read(path, true, &scene);
+    size_t size = 0, fault;
+    if (status == EXIT_STATUS_OK &&
+        (scene_build(&scene, &scene_build_default, block, &size) != SCENE_BUILD_OK ||
+         tree_open(*block, size, &out->tree, &fault) != TREE_OK)) {
+        message_at(path, 0, "this scene has no tree: too large or too deep");
+        status = EXIT_STATUS_FAILURE;
+    }
+    scene_text_free(&scene);
+    return status;
+}
+
+static enum exit_status render(const struct command *command, const struct settings *settings,
+                               const char *path) {
+    struct scene_render_options render_options;
+    struct scene_render_result result;
+    struct scene_file file;
+    struct drawing drawing = {.width = 0};
+    void *block;
+    if (!read_render(command, settings, &render_options)) {
+        return EXIT_STATUS_USAGE;
+    }
+    enum exit_status status = open_any(path, &file, &block);
+    if (status == EXIT_STATUS_OK) {
+        status = scene_render(&file.tree, path, &render_options, &drawing, &result);
+    }
+    if (status == EXIT_STATUS_OK) {
+        status = drawing_write(&drawing, settings->output);
+    }
+    if (status == EXIT_STATUS_OK) {
+        print_render(settings, &result);
+    }
+    drawing_free(&drawing);
+    free(block);
+    scene_file_close(&file);
+    return status;
+}
+
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     const char *operand[2] = {NULL, NULL};
@@ -285,8 +429,11 @@ static enum exit_status run(const struct command *command, int argc, char *const
     if (strcmp(verb, "build") == 0) {
         return build(command, &settings, operand[1]);
     }
-    if (strcmp(verb, "info") != 0 && strcmp(verb, "aim") != 0) {
-        message_command(command->name, "needs `build`, `info` or `aim` first");
+    if (strcmp(verb, "render") == 0 && operands == 2U) {
+        return render(command, &settings, operand[1]);
+    }
+    if (strcmp(verb, "info") != 0 && strcmp(verb, "aim") != 0 && strcmp(verb, "render") != 0) {
+        message_command(command->name, "needs `build`, `info`, `aim` or `render` first");
         return EXIT_STATUS_USAGE;
     }
     if (operands != 2U) {
@@ -305,8 +452,8 @@ static enum exit_status run(const struct command *command, int argc, char *const
 
 const struct command command_scene = {
     .name = "scene",
-    .summary = "a sphere tree of many points: build it, aim at what it holds",
-    .operands = "build FILE.scene -o FILE.coca | info FILE.coca | aim FILE.coca",
+    .summary = "a sphere tree of many points: build it, aim at what it holds, draw it",
+    .operands = "build FILE.scene -o FILE.coca | info FILE.coca | aim FILE.coca | render FILE",
     .help =
         "build reads a scene as text, Wavefront OBJ with clusters and details:\n"
         "  v X Y Z               a vertex\n"
@@ -324,10 +471,18 @@ const struct command command_scene = {
         "aim`\n"
         "does, and reads only points that can matter. With --focal-px clusters that a camera with\n"
         "that focal length would not resolve are taken as their centre.\n\n"
+        "render draws a scene (text or tree) without its hidden lines, as SVG or PNG: solids, "
+        "faces\n"
+        "and lines; points are targets, full where they are in sight; with the narrowest cone of\n"
+        "those in sight and the frame of the picture. No two solids may overlap.\n\n"
         "results of aim, besides those of `boresight aim`:\n"
         "  loss_px               no point is farther outside the cone than that\n"
         "  nodes_opened          spheres whose contents were looked at\n"
         "  point_reads           reads of a point\n"
+        "results of render:\n"
+        "  edges, segments       edges not at the back of their solid; their visible parts\n"
+        "  targets_seen          targets that nothing hides\n"
+        "  memory_bytes          what finding the hidden lines took\n"
         "Indices count the vertices from 0.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,

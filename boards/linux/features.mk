@@ -8,11 +8,12 @@ libusb := $(if $(call find_header,libusb-1.0/libusb.h),1,0)
 # What is used of it (jpeg_mem_src, standard tables where a picture has none) is libjpeg-turbo's.
 jpeg := $(if $(call find_header,jpeglib.h),1,0)
 apriltag := $(if $(call find_header,apriltag/apriltag.h),1,0)
+cairo := $(if $(call find_header,cairo/cairo.h),1,0)
 
-feature_libs := $(if $(filter 0,$(gpiod)),,-lgpiod) $(if $(filter 0,$(libusb)),,-lusb-1.0) $(if $(filter 0,$(jpeg)),,-ljpeg) $(if $(filter 0,$(apriltag)),,-lapriltag -lapriltag-utils)
+feature_libs := $(if $(filter 0,$(gpiod)),,-lgpiod) $(if $(filter 0,$(libusb)),,-lusb-1.0) $(if $(filter 0,$(jpeg)),,-ljpeg) $(if $(filter 0,$(apriltag)),,-lapriltag -lapriltag-utils) $(if $(filter 0,$(cairo)),,-lcairo)
 # Files that only build with a library, or one of its versions.
 not_built := $(if $(filter 1,$(gpiod)),,hal/linux/linux_gpiod_1.c) $(if $(filter 2,$(gpiod)),,hal/linux/linux_gpiod_2.c) \
-    boards/linux/detect/$(if $(filter 0,$(apriltag)),tags,tags_none).c
+    boards/linux/detect/$(if $(filter 0,$(apriltag)),tags,tags_none).c boards/linux/drawing_$(if $(filter 0,$(cairo)),cairo,none).c
 
 $(shell mkdir -p $(B); printf '#define HAVE_GPIOD %s\n#define HAVE_LIBUSB %s\n#define HAVE_JPEG %s\n#define HAVE_APRILTAG %s\n' $(gpiod) $(libusb) $(jpeg) $(apriltag) >$(B)/features.h.new; \
     cmp -s $(B)/features.h.new $(B)/features.h && rm $(B)/features.h.new || mv $(B)/features.h.new $(B)/features.h)

@@ -4,6 +4,7 @@
 #include "suggest.h"
 
 #include "detect/tags.h"
+#include "drawing.h"
 
 #include "linux/linux_gpio.h"
 #include "linux/linux_luma.h"
@@ -84,9 +85,10 @@ static void print_version(void) {
     printf("pointer_bits       %zu\n", 8 * sizeof(void *));
     printf("long_double_bits   %d\n", LDBL_MANT_DIG);
     const char *const libraries[] = {linux_gpio_library(), linux_usb_library(),
-                                     linux_luma_jpeg_library(), tags_library()};
+                                     linux_luma_jpeg_library(), tags_library(),
+                                     drawing_png_library()};
     static const char *const without[] = {"no libgpiod", "no libusb", "no libjpeg-turbo",
-                                          "no libapriltag"};
+                                          "no libapriltag", "no cairo"};
     printf("libraries         ");
     for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++) {
         printf("%s%s", i > 0U ? ", " : " ", libraries[i] != NULL ? libraries[i] : without[i]);

@@ -126,7 +126,7 @@ bad 'groups too deep' 17 'groups nested deeper than 16' "$(awk 'BEGIN { for (i =
 run scene build "$dir/town.scene"
 ends 'nowhere to write' 2 'boresight scene: build: -o FILE says where to write the tree'
 run scene paint "$dir/town.coca"
-ends 'another word' 2 'boresight scene: needs `build`, `info` or `aim` first'
+ends 'another word' 2 'boresight scene: needs `build`, `info`, `aim` or `render` first'
 run scene aim
 ends 'no tree' 2 'boresight scene: aim: needs a tree, FILE.coca'
 

@@ -1,0 +1,42 @@
+/// What of a scene is drawn from a view: its shapes as firmware/scene/shape.h has them, its points,
+/// and the memory of the methods.
+#ifndef LINUX_SCENE_DRAWN_H
+#define LINUX_SCENE_DRAWN_H
+
+#include "message.h"
+
+#include "scene/hidden.h"
+#include "scene/walk.h"
+
+struct scene_drawn {
+    struct shape_set set;
+    uint32_t *part; ///< of the tree, for each object of the set; TREE_NONE: none
+    struct vec3 *points;
+    uint32_t point_count, point_room;
+    void *workspace, *planes; ///< of hidden and separate
+    struct hidden hidden;
+    struct separate separate;
+    size_t bytes; ///< all of these
+    // While it is filled: corners of one face or solid.
+    uint32_t *corner_list, *corner_counts, *place;
+    struct vec3 *corner_points;
+};
+
+/// Everything that the view may see, each object in the description it deserves. file: the tree's
+/// name, for messages. Free in any case.
+enum exit_status scene_drawn_gather(struct scene_drawn *drawn, const struct tree *tree,
+                                    const struct view *view, const char *file);
+
+/// Solids and planes of different objects must have a plane between them. Two that have none are
+/// named in one line, with the line of the scene.
+/// Cost: pairs whose boxes meet.
+enum exit_status scene_drawn_check(const struct scene_drawn *drawn, const struct tree *tree,
+                                   const char *file);
+
+/// levine: also the planes between the objects.
+enum exit_status scene_drawn_open(struct scene_drawn *drawn, const struct tree *tree,
+                                  const char *file, bool levine);
+
+void scene_drawn_free(struct scene_drawn *drawn);
+
+#endif
