@@ -22,7 +22,7 @@ extern const struct command *const commands[];
 extern const size_t command_count;
 
 extern const struct command command_aim, command_calibrate, command_config, command_detect,
-    command_hull, command_pan, command_plan, command_probe, command_run, command_sim, command_scene,
-    command_solid, command_voronoi;
+    command_hull, command_pan, command_plan, command_probe, command_regular, command_run,
+    command_sim, command_scene, command_solid, command_voronoi;
 
 #endif

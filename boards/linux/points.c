@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// One more than any format has, so that a line with too many is noticed.
-enum { COLUMNS_MOST = 8 };
-
 /// Where a line stands, for messages, and what is wrong with it.
 struct place {
     const char *file;
@@ -19,9 +16,7 @@ static bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
-/// Splits a line without its comment. Returns the number of columns, which may exceed what
-/// columns[] holds; -1: an empty column (a comma with no value on one side).
-static int split(const char *at, const char *end, struct points_word columns[COLUMNS_MOST]) {
+int points_split(const char *at, const char *end, struct points_word columns[POINTS_COLUMNS_MOST]) {
     int count = 0;
     bool after_comma = false;
     for (;;) {
@@ -43,7 +38,7 @@ static int split(const char *at, const char *end, struct points_word columns[COL
         while (at < end && *at != ',' && !is_blank(*at)) {
             at++;
         }
-        if (count < COLUMNS_MOST) {
+        if (count < POINTS_COLUMNS_MOST) {
             columns[count] = (struct points_word){start, (size_t)(at - start)};
         }
         count++;
@@ -272,8 +267,8 @@ static enum exit_status add_point(struct place place, const struct points_word *
 static enum exit_status read_line(struct place place, const char *text, size_t size,
                                   const struct points_format *format, struct points *out) {
     const char *const comment = memchr(text, '#', size);
-    struct points_word columns[COLUMNS_MOST];
-    const int count = split(text, comment != NULL ? comment : text + size, columns);
+    struct points_word columns[POINTS_COLUMNS_MOST];
+    const int count = points_split(text, comment != NULL ? comment : text + size, columns);
     if (count == 0) {
         return EXIT_STATUS_OK;
     }
@@ -365,9 +360,9 @@ void points_free(struct points *points) {
 }
 
 const char *points_read_triple(const char *text, struct triple *out) {
-    struct points_word columns[COLUMNS_MOST];
+    struct points_word columns[POINTS_COLUMNS_MOST];
     const char *const end = text + strlen(text);
-    if (split(text, end, columns) != 3) {
+    if (points_split(text, end, columns) != 3) {
         return "needs three decimals, X,Y,Z";
     }
     for (int i = 0; i < 3; i++) {

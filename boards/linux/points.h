@@ -65,6 +65,13 @@ struct points_word {
     size_t size;
 };
 
+/// One more than any format has, so that a line with too many is noticed.
+enum { POINTS_COLUMNS_MOST = 11 };
+
+/// Splits a line without its comment. Returns the number of columns, which may exceed what
+/// columns[] holds; -1: an empty column (a comma with no value on one side).
+int points_split(const char *at, const char *end, struct points_word columns[POINTS_COLUMNS_MOST]);
+
 /// Adds a point as three coordinates that decimal_read takes, for places_finish. False: no memory.
 bool points_add_place(struct points *points, const struct points_word word[3]);
 

@@ -33,9 +33,9 @@ static void tell(struct regular_conflict *conflict, uint8_t count, uint32_t i, u
 /// |v|: on one circle it is the same, on any other one through both ends it differs.
 /// All circles through i and j, with third and fourth points behind j. False: a conflict.
 static bool chord_free(const struct vec3 *points, uint32_t count, const struct view *view,
-                       bool strict, uint32_t i, uint32_t j, struct lines *lines,
+                       bool strict, uint32_t i, uint32_t j, struct line_table *lines,
                        struct regular_conflict *conflict) {
-    lines_next_round(lines);
+    line_table_next_round(lines);
     for (uint32_t k = j + 1U; k < count; k++) {
         const struct vec3 a = primitive_between(points[k], points[i]);
         const struct vec3 b = primitive_between(points[k], points[j]);
@@ -48,9 +48,9 @@ static bool chord_free(const struct vec3 *points, uint32_t count, const struct v
             }
             continue; // no circle goes through three points of a line
         }
-        const uint32_t same = lines_enter(
+        const uint32_t same = line_table_enter(
             lines, k, primitive_vec3_i64((struct vec3_i64){dot_seen(view, a, b), sine, 0}));
-        if (same != LINES_NONE) {
+        if (same != LINE_TABLE_NONE) {
             tell(conflict, 4, i, j, same, k);
             return false;
         }
@@ -59,9 +59,9 @@ static bool chord_free(const struct vec3 *points, uint32_t count, const struct v
 }
 
 bool cocircular_none(const struct vec3 *points, uint32_t count, struct vec3 direction, bool strict,
-                     struct lines *lines, struct regular_conflict *conflict) {
+                     struct line_table *lines, struct regular_conflict *conflict) {
     const struct view view = {direction, dot(direction, direction)};
-    lines_start(lines);
+    line_table_start(lines);
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t j = i + 1U; j < count; j++) {
             const struct vec3_i64 cross =

@@ -2,7 +2,7 @@
 #ifndef REGULAR_COCIRCULAR_H
 #define REGULAR_COCIRCULAR_H
 
-#include "regular/lines.h"
+#include "regular/line_table.h"
 #include "regular/regular.h"
 
 /// Components of a direction at most: the products below then fit 64 bits.
@@ -15,6 +15,6 @@
 /// Returns:  true without a conflict.
 /// Cost:     expected O(n^3).
 bool cocircular_none(const struct vec3 *points, uint32_t count, struct vec3 direction, bool strict,
-                     struct lines *lines, struct regular_conflict *conflict);
+                     struct line_table *lines, struct regular_conflict *conflict);
 
 #endif

@@ -147,17 +147,17 @@ static enum regular_status compute_circles(struct steps *steps) {
 static bool traces_of_point(struct steps *steps, uint32_t i, struct planes *planes,
                             struct regular_conflict *conflict) {
     const struct vec3 *const points = steps->input->points;
-    struct lines *const lines = &steps->lines;
-    lines_next_round(lines);
+    struct line_table *const lines = &steps->lines;
+    line_table_next_round(lines);
     for (uint32_t j = i + 1U; j < steps->input->count; j++) {
         const struct vec3 d = primitive_vec3(primitive_between(points[i], points[j]));
-        const uint32_t same = lines_enter(lines, j, vec3_widen(d));
-        if (same != LINES_NONE) {
+        const uint32_t same = line_table_enter(lines, j, vec3_widen(d));
+        if (same != LINE_TABLE_NONE) {
             *conflict = (struct regular_conflict){3, {i, same, j, 0}};
             return false;
         }
     }
-    lines_next_round(lines);
+    line_table_next_round(lines);
     for (uint32_t j = i + 1U; j < steps->input->count; j++) {
         struct vec3 d = primitive_between(points[i], points[j]);
         d.z = 0;
@@ -169,7 +169,7 @@ static bool traces_of_point(struct steps *steps, uint32_t i, struct planes *plan
                     wedge_add(&planes->wedge, vec3_widen(to));
                 }
             }
-        } else if (lines_enter(lines, j, vec3_widen(primitive_vec3(d))) != LINES_NONE) {
+        } else if (line_table_enter(lines, j, vec3_widen(primitive_vec3(d))) != LINE_TABLE_NONE) {
             wedge_add(&planes->wedge, vec3_widen(d));
         }
     }
@@ -182,7 +182,7 @@ static bool traces_of_point(struct steps *steps, uint32_t i, struct planes *plan
 static enum regular_status compute_plane(struct steps *steps) {
     struct planes planes = {.steepness = {1, 0}};
     struct regular_conflict conflict;
-    lines_start(&steps->lines);
+    line_table_start(&steps->lines);
     for (uint32_t i = 0; i < steps->input->count; i++) {
         if (!traces_of_point(steps, i, &planes, &conflict)) {
             return none(steps, &conflict);

@@ -31,15 +31,15 @@ static void decide_equal(struct steps *steps, unsigned first, unsigned same) {
 /// from the one with the smallest index.
 static void decide_plane(struct steps *steps) {
     const struct vec3 *const points = steps->input->points;
-    struct lines *const lines = &steps->lines;
-    lines_start(lines);
+    struct line_table *const lines = &steps->lines;
+    line_table_start(lines);
     for (uint32_t i = 0; i < steps->input->count; i++) {
-        lines_next_round(lines);
+        line_table_next_round(lines);
         for (uint32_t j = i + 1U; j < steps->input->count; j++) {
             struct vec3 d = primitive_between(points[i], points[j]);
             d.z = 0;
-            const uint32_t same = lines_enter(lines, j, vec3_widen(primitive_vec3(d)));
-            if (same != LINES_NONE) {
+            const uint32_t same = line_table_enter(lines, j, vec3_widen(primitive_vec3(d)));
+            if (same != LINE_TABLE_NONE) {
                 found(steps, 3, i, same, j);
                 return;
             }

@@ -86,7 +86,7 @@ static void tell_tolerance(struct steps *steps, const struct optimum *o,
     steps->result->tolerance_is_bound = o->normal_count != 0U && of_lines < least;
     least = of_lines < least ? of_lines : least;
     steps->result->tolerance_turn64 = least > DISC_ANGLE_ERROR ? least - DISC_ANGLE_ERROR : 0U;
-    steps->result->direction = wide(direction);
+    steps->result->direction = wide(primitive_reduced(direction));
     steps->result->operations += o->normal_count + o->line_count;
 }
 
@@ -265,6 +265,7 @@ static void search_above(struct optimum *o, struct cell_best *best) {
 }
 
 static enum regular_status none(struct steps *steps, const struct regular_conflict *conflict) {
+    steps->result->regular = false;
     steps_conflict(steps->result, conflict->count, conflict->index);
     return REGULAR_NONE;
 }

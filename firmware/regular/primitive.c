@@ -1,13 +1,15 @@
 #include "regular/primitive.h"
 
+struct vec3_i64 primitive_reduced(struct vec3_i64 a) {
+    const int64_t divisor =
+        (int64_t)primitive_gcd(primitive_gcd(u64_abs(a.x), u64_abs(a.y)), u64_abs(a.z));
+    return divisor == 0 ? a : (struct vec3_i64){a.x / divisor, a.y / divisor, a.z / divisor};
+}
+
 struct vec3_i64 primitive_vec3_i64(struct vec3_i64 a) {
-    const uint64_t divisor = primitive_gcd(primitive_gcd(u64_abs(a.x), u64_abs(a.y)), u64_abs(a.z));
-    if (divisor == 0U) {
-        return a;
-    }
     const int64_t first = a.x != 0 ? a.x : (a.y != 0 ? a.y : a.z);
-    const int64_t by = first < 0 ? -(int64_t)divisor : (int64_t)divisor;
-    return (struct vec3_i64){a.x / by, a.y / by, a.z / by};
+    a = primitive_reduced(a);
+    return first < 0 ? (struct vec3_i64){-a.x, -a.y, -a.z} : a;
 }
 
 struct vec3 primitive_vec3(struct vec3 a) {

@@ -17,6 +17,9 @@ static inline uint64_t primitive_gcd(uint64_t a, uint64_t b) {
     return a;
 }
 
+/// a / gcd. Zero stays zero.
+struct vec3_i64 primitive_reduced(struct vec3_i64 a);
+
 /// a / gcd, with the first component that is not 0 above 0. Zero stays zero.
 struct vec3 primitive_vec3(struct vec3 a);
 struct vec3_i64 primitive_vec3_i64(struct vec3_i64 a);

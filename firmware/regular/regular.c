@@ -85,7 +85,7 @@ static void lay_out(struct steps *steps, struct optimum *optimum, enum regular_p
         order_open(&steps->order, points, count, steps->options->buckets, arena);
     }
     if (problem == REGULAR_POINTS3_PLANE || problem == REGULAR_POINTS3_COCIRCULAR) {
-        lines_open(&steps->lines, count, arena);
+        line_table_open(&steps->lines, count, arena);
     }
     if (problem == REGULAR_SEGMENTS3_PLANE) {
         steps->trace = arena_take(arena, count, sizeof *steps->trace);

@@ -12,7 +12,7 @@ struct steps {
     const struct regular_options *options;
     struct regular_result *result;
     struct order order; ///< of the points, if the items are points
-    struct lines lines;
+    struct line_table lines;
     /// SEGMENTS3_PLANE: the line of each projected segment, and two lists of segments.
     struct vec3_i64 *trace;
     uint32_t *list, *spare;

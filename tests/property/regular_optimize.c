@@ -200,7 +200,8 @@ static bool check_optimum(const struct regular_input *in, const struct regular_o
     struct regular_result result;
     const enum regular_status status = optimize(in, options, &result);
     if (!check_exists(in)) {
-        return CHECK_EQ(status, REGULAR_NONE) && CHECK(check_conflict(in, &result.conflict));
+        return CHECK_EQ(status, REGULAR_NONE) && CHECK(!result.regular) &&
+               CHECK(check_conflict(in, &result.conflict));
     }
     if (!CHECK_EQ(status, REGULAR_OK)) {
         return false;
