@@ -19,7 +19,7 @@ board_link := -mthumb -nostdlib -nostartfiles -Lboards \
 # $(1): name of the board. Objects are below obj/; a rig's settings are compiled from the C that the program writes.
 define board_rules
 $(1)_dir := $(B)/boards/$(1)
-$(1)_c := boards/greeting.c $(sort $(wildcard boards/$(1)/*.c $(foreach h,$($(1)_hal),hal/$(h)/*.c))) $(sort $(firmware_c))
+$(1)_c := boards/greeting.c $(sort $(wildcard boards/$(1)/*.c boards/$(1)/scene/none.c $(foreach h,$($(1)_hal),hal/$(h)/*.c))) $(sort $(firmware_c))
 $(1)_s := $(sort $(wildcard boards/$(1)/*.S))
 $(1)_o := $$(patsubst %,$(B)/boards/$(1)/obj/%.o,$$(basename $$($(1)_c) $$($(1)_s)) build_id)
 $(1)_files := $(foreach i,elf bin hex $($(1)_images),$(B)/boards/$(1)/boresight.$(i))
@@ -59,8 +59,32 @@ $(B)/boards/$(1)/%/boresight.elf: $(B)/boards/$(1)/%/rig.o $$($(1)_o) boards/$(1
 	$(board_cc) $(board_link) -mcpu=$($(1)_cpu) -T boards/$(1)/board.ld -Wl,-Map=$$(@:.elf=.map) \
 	    -o $$@ $$(filter %.o,$$^) -lgcc
 endef
+
+# $(1): a board with `x_scene := yes`. The same image with a scene in flash, from SCENE=FILE.scene or FILE.coca, in build/boards/x/scene/.
+define scene_rules
+$(1)_scene_files := $(foreach i,elf bin hex,$(B)/boards/$(1)/scene/boresight.$(i))
+
+$(B)/boards/$(1)/scene/block.coca: $(or $(SCENE),$(B)/boards/park.scene) $(B)/boresight
+	@mkdir -p $$(@D)
+	case $$< in *.coca) cp $$< $$@ ;; *) $(B)/boresight scene build --points $$< -o $$@ ;; esac
+$(B)/boards/$(1)/scene/block.o: $(B)/boards/$(1)/scene/block.coca
+	printf '%s\n' '.section .rodata.scene, "a"' '.balign 4' '.global scene_block, scene_block_end' 'scene_block:' \
+	    '.incbin "$$<"' 'scene_block_end:' | arm-none-eabi-as -mcpu=$($(1)_cpu) -o $$@
+$(B)/boards/$(1)/scene/boresight.elf: $(B)/boards/$(1)/scene/block.o $(B)/boards/$(1)/rig.o $(B)/boards/$(1)/obj/boards/$(1)/scene/flash.o \
+    $$(filter-out %/scene/none.o,$$($(1)_o)) boards/$(1)/scene/scene.ld boards/$(1)/memory.ld boards/sections.ld
+	$$(say) LD $$@
+	$(board_cc) $(board_link) -mcpu=$($(1)_cpu) -T boards/$(1)/scene/scene.ld -Wl,-Map=$$(@:.elf=.map) \
+	    -o $$@ $$(filter %.o,$$^) -lgcc
+endef
+scene_boards := $(foreach b,$(mcu_boards),$(if $(filter yes,$($(b)_scene)),$(b)))
+# The scene that the tests flash.
+$(B)/boards/park.scene: tests/mcu/cpu/park.awk
+	@mkdir -p $(@D)
+	awk -f $< >$@
+
 write_rig = $(B)/boresight config c $(1) >$(2).new && if cmp -s $(2).new $(2); then rm $(2).new; else mv $(2).new $(2); fi
 $(foreach b,$(mcu_boards),$(eval $(call board_rules,$(b))))
+$(foreach b,$(scene_boards),$(eval $(call scene_rules,$(b))))
 
 $(B)/boards/%.bin: $(B)/boards/%.elf
 	arm-none-eabi-objcopy -O binary $< $@
@@ -72,19 +96,23 @@ $(B)/boards/%.hex: $(B)/boards/%.elf
 board-named:
 	@case ' $(mcu_boards) ' in *' $(or $(BOARD),none) '*) ;; *) \
 	    echo 'Which board? BOARD=NAME, one of: $(mcu_boards)' >&2; exit 2 ;; esac
+	@[ -z '$(SCENE)' ] || [ -r '$(SCENE)' ] || { echo 'SCENE=$(SCENE): no such file' >&2; exit 2; }
+	@[ -z '$(SCENE)' ] || [ '$(filter $(BOARD),$(scene_boards))' ] || { echo 'SCENE= is only for $(strip $(scene_boards))' >&2; exit 2; }
 	@[ -z '$(RIG)' ] || [ -r '$(RIG)' ] || { echo 'RIG=$(RIG): no such file' >&2; exit 2; }
 need-firmware: board-named
 	@.ci/need firmware
 
-firmware: need-firmware ## Build the image of BOARD=x, print what it needs of the board (RIG=my.ini: for another rig)
-	@$(MAKE) --no-print-directory $($(BOARD)_files)
+# With SCENE= the plain image is built, too, so that what the scene takes is told apart.
+firmware: need-firmware ## Build the image of BOARD=x, print what it needs of the board (RIG=my.ini: another rig; SCENE=my.scene: with a scene)
+	@$(MAKE) --no-print-directory $($(BOARD)_files) $(if $(SCENE),$($(BOARD)_scene_files))
 	tests/gate/check/budget.sh $(B)/boards/$(BOARD)/boresight.elf
 	echo
-	ls -l $($(BOARD)_files) | awk '{ printf "%9d bytes  %s\n", $$5, $$NF }'
+	$(if $(SCENE),tests/gate/check/scene-size.sh $(B)/boards/$(BOARD) && echo)
+	ls -l $($(BOARD)_files) $(if $(SCENE),$($(BOARD)_scene_files)) | awk '{ printf "%9d bytes  %s\n", $$5, $$NF }'
 
 flash: need-firmware ## Write the image of BOARD=x to the board, with the tool that fits what is connected
-	@$(MAKE) --no-print-directory $($(BOARD)_files)
-	boards/flash.sh $(BOARD) $(B)/boards/$(BOARD)/boresight $($(BOARD)_flash)
+	@$(MAKE) --no-print-directory $(if $(SCENE),$($(BOARD)_scene_files),$($(BOARD)_files))
+	boards/flash.sh $(BOARD) $(B)/boards/$(BOARD)/$(if $(SCENE),scene/)boresight $($(BOARD)_flash)
 
 debug: need-firmware ## Open gdb on the board (BOARD=x) through openocd
 	@$(MAKE) --no-print-directory $($(BOARD)_files)

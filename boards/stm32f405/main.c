@@ -7,6 +7,7 @@
 #include "cortexm/cortexm_start.h"
 #include "greeting.h"
 #include "pins.h"
+#include "scene.h"
 #include "stm32f4/stm32f4_clocks.h"
 #include "stm32f4/stm32f4_watchdog.h"
 
@@ -63,6 +64,7 @@ int main(void) {
     // Until the watchdog runs nothing may interrupt: a storm would hang the board for good.
     cortexm_interrupts_disable();
     config.refusal = set_up();
+    scene_open();
     board_loop_init(
         &loop, &config,
         &(struct board_devices){
@@ -70,11 +72,13 @@ int main(void) {
             .gpio = &gpio.hal,
             .console = &devices.console.hal,
             .watchdog = &watchdog.hal});
+    scene_attach(&loop);
     cortexm_interrupts_enable();
     uint32_t tick = devices.clock.ticks;
     for (;;) {
         const uint32_t next = cortexm_clock_wait_tick(&devices.clock, tick);
         board_loop_tick(&loop, next - tick - 1U);
         tick = next;
+        scene_work(&loop);
     }
 }

@@ -80,6 +80,12 @@ const char *board_commands_do(struct board_commands *commands, const struct requ
     case REQUEST_SET:
         return board_settings_set(commands->settings, request->name, request->value_micro,
                                   commands->pump->controller);
+    case REQUEST_SCENE:
+        if (commands->scene == NULL) {
+            return "this image has no scene; see boards/README.md";
+        }
+        *commands->scene = (struct board_scene_mail){true, request->update.position_um};
+        return NULL;
     default:
         return "not here";
     }

@@ -6,10 +6,17 @@
 #include "app/pump.h"
 #include "link/request.h"
 
+/// Where a command for the scene waits until there is time for it (board_scene.h).
+struct board_scene_mail {
+    bool asked;
+    struct vec3_i64 viewpoint_um;
+};
+
 struct board_commands {
     struct pump *pump;
     struct board_settings *settings;
-    bool aims; ///< the target of `aim` and `home` is in the set
+    bool aims;                      ///< the target of `aim` and `home` is in the set
+    struct board_scene_mail *scene; ///< NULL: the image has no scene
 };
 
 /// Does it, except what only concerns a console (help, status, trace). Bounded: at most three

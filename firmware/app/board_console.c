@@ -12,7 +12,7 @@ void board_console_init(struct board_console *console, const struct hal_serial *
     console->pump = pump;
     console->status = status;
     console->settings = settings;
-    console->commands = (struct board_commands){pump, settings, false};
+    console->commands = (struct board_commands){.pump = pump, .settings = settings};
     program_link_init(&console->link);
     line_splitter_init(&console->splitter);
     line_editor_init(&console->editor);

@@ -147,6 +147,11 @@ bool board_status_tell(const struct board_status *status, const struct pump *pum
             put_bus(text, &status->can);
         }
         return true;
+    case 5:
+        if (status->scene != NULL) {
+            text_string(text, status->scene);
+        }
+        return status->scene != NULL;
     default:
         return false;
     }

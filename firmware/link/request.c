@@ -200,6 +200,12 @@ static const char *read_trace(struct words *words, struct request *request) {
     return "expected on or off: trace on, trace on 100 (every 100 ms; 10 to 60000), trace off";
 }
 
+static const char *read_scene(struct words *words, struct request *request) {
+    return read_position(words, &request->update.position_um) && words_at_end(words)
+               ? NULL
+               : "expected X Y Z in metres: scene 0 -12.5 1.8";
+}
+
 static const struct {
     const char *name;
     enum request_kind kind;
@@ -220,6 +226,8 @@ static const struct {
     {"get", REQUEST_GET,
      "get [NAME]                   settings that can be changed, with their range"},
     {"set", REQUEST_SET, "set NAME VALUE               change one until the next reset"},
+    {"scene", REQUEST_SCENE,
+     "scene X Y Z                  aim at the scene in flash, seen from there, metres"},
     {"trace", REQUEST_TRACE, "trace on [MS] | off          a line of telemetry every so often"},
 };
 
@@ -242,6 +250,8 @@ static const char *read_arguments(struct word name, struct words *words, struct 
         return read_set(words, request);
     case REQUEST_TRACE:
         return read_trace(words, request);
+    case REQUEST_SCENE:
+        return read_scene(words, request);
     default:
         return words_at_end(words) ? NULL : "expected nothing behind this command";
     }

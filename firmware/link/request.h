@@ -21,7 +21,8 @@ enum request_kind {
     REQUEST_UPDATE, ///< update: of one target
     REQUEST_GET,    ///< name: of a setting; empty: all of them
     REQUEST_SET,    ///< name, value_micro
-    REQUEST_TRACE   ///< on, period_ms
+    REQUEST_TRACE,  ///< on, period_ms
+    REQUEST_SCENE   ///< update.position_um: where to see the scene from
 };
 
 /// The target that `aim` and `home` set. No other target may have this number.

@@ -18,25 +18,15 @@
 #define MARGIN_SET_MOST (SCENE_AIM_SET - 64U)
 #define SEARCHES_MOST   1000U
 
-struct aim {
-    const struct tree *tree;
-    const struct scene_aim_options *options;
-    struct scene_aim_memory *memory;
-    struct scene_aim_result *result;
-    uint32_t set_count;
-    uint32_t stack_count;
-    struct vec3 axis_q30;
-    // One search:
-    uint64_t least_turn64; ///< what is nearer to the axis does not matter
-    uint64_t cone_turn64;  ///< beyond this a point is outside
-    uint64_t best_turn64;  ///< the farthest point outside so far
-    uint32_t best;         ///< its reference
-    uint32_t best_item;
-    struct vec3 best_direction;
+enum phase {
+    PHASE_FIRST, ///< the search for a point to begin with
+    PHASE_SOLVE,
+    PHASE_SEARCH,
+    PHASE_REFUSED ///< the viewpoint is too far away
 };
 
-static struct vec3 from_eye(const struct aim *aim, int32_t x, int32_t y, int32_t z) {
-    const struct vec3 e = aim->options->eye;
+static struct vec3 from_eye(const struct scene_aim_run *aim, int32_t x, int32_t y, int32_t z) {
+    const struct vec3 e = aim->options.eye;
     return vec3(x - e.x, y - e.y, z - e.z); // both below 2^30
 }
 
@@ -62,7 +52,7 @@ static uint64_t covered_by(struct vec3 d, uint32_t radius) {
     return trig_atan2_turn64((uint64_t)radius << 31, tangent) + SLACK_TURN64 / 4U;
 }
 
-static uint64_t bound_of(const struct aim *aim, struct vec3 center, uint32_t radius) {
+static uint64_t bound_of(const struct scene_aim_run *aim, struct vec3 center, uint32_t radius) {
     const struct vec3 d = from_eye(aim, center.x, center.y, center.z);
     const uint64_t covered = covered_by(d, radius);
     const uint64_t bound =
@@ -71,16 +61,16 @@ static uint64_t bound_of(const struct aim *aim, struct vec3 center, uint32_t rad
 }
 
 /// How far the overlay moves an item's points.
-static struct vec3 offset_of(const struct aim *aim, uint32_t item) {
-    return item == OVERLAY_NONE ? vec3(0, 0, 0) : aim->options->overlay->items[item].offset;
+static struct vec3 offset_of(const struct scene_aim_run *aim, uint32_t item) {
+    return item == OVERLAY_NONE ? vec3(0, 0, 0) : aim->options.overlay->items[item].offset;
 }
 
-static uint64_t bound_of_node(const struct aim *aim, uint32_t index, uint32_t item) {
+static uint64_t bound_of_node(const struct scene_aim_run *aim, uint32_t index, uint32_t item) {
     const struct tree_node *const node = &aim->tree->nodes[index];
     return bound_of(aim, overlay_place(tree_center(node), offset_of(aim, item)), node->radius);
 }
 
-static bool is_in_set(const struct aim *aim, uint32_t reference, uint32_t item) {
+static bool is_in_set(const struct scene_aim_run *aim, uint32_t reference, uint32_t item) {
     for (uint32_t i = 0; i < aim->set_count; i++) {
         if (aim->memory->reference[i] == reference && aim->memory->item[i] == item) {
             return true;
@@ -89,14 +79,15 @@ static bool is_in_set(const struct aim *aim, uint32_t reference, uint32_t item) 
     return false;
 }
 
-static void add_to_set(struct aim *aim, uint32_t reference, uint32_t item, struct vec3 direction) {
+static void add_to_set(struct scene_aim_run *aim, uint32_t reference, uint32_t item,
+                       struct vec3 direction) {
     aim->memory->reference[aim->set_count] = reference;
     aim->memory->item[aim->set_count] = item;
     aim->memory->direction[aim->set_count++] = direction;
 }
 
 /// A point is read. False: it is at the viewpoint.
-static bool meet(struct aim *aim, uint32_t reference, uint32_t item, struct vec3 d) {
+static bool meet(struct scene_aim_run *aim, uint32_t reference, uint32_t item, struct vec3 d) {
     aim->result->point_reads++;
     if (vec3_is_zero(d)) {
         aim->result->reference[0] = reference;
@@ -122,7 +113,7 @@ static bool meet(struct aim *aim, uint32_t reference, uint32_t item, struct vec3
 }
 
 /// Puts an entry on the stack, above `base` in the order of the bounds: the largest on top.
-static void push_sorted(struct aim *aim, uint32_t base, struct scene_aim_entry entry) {
+static void push_sorted(struct scene_aim_run *aim, uint32_t base, struct scene_aim_entry entry) {
     struct scene_aim_entry *const stack = aim->memory->stack;
     if (entry.bound_turn64 <= aim->least_turn64) {
         return;
@@ -135,13 +126,13 @@ static void push_sorted(struct aim *aim, uint32_t base, struct scene_aim_entry e
 }
 
 /// An object in its place is left out if it is away from there.
-static bool is_left_out(const struct aim *aim, uint32_t node, uint32_t item) {
+static bool is_left_out(const struct scene_aim_run *aim, uint32_t node, uint32_t item) {
     return item == OVERLAY_NONE &&
-           overlay_is_away(aim->options->overlay, aim->tree->nodes[node].part);
+           overlay_is_away(aim->options.overlay, aim->tree->nodes[node].part);
 }
 
 /// Puts nodes on the stack: a few sorted, many as one entry.
-static void push(struct aim *aim, uint32_t first, uint32_t count, uint32_t item) {
+static void push(struct scene_aim_run *aim, uint32_t first, uint32_t count, uint32_t item) {
     struct scene_aim_entry *const stack = aim->memory->stack;
     if (count > 8U || aim->stack_count + count >= SCENE_AIM_STACK) {
         stack[aim->stack_count++] =
@@ -157,15 +148,15 @@ static void push(struct aim *aim, uint32_t first, uint32_t count, uint32_t item)
     }
 }
 
-static void push_overlay(struct aim *aim, uint32_t base, uint32_t index) {
-    const struct overlay_sphere *const s = &aim->options->overlay->nodes[index].sphere;
+static void push_overlay(struct scene_aim_run *aim, uint32_t base, uint32_t index) {
+    const struct overlay_sphere *const s = &aim->options.overlay->nodes[index].sphere;
     push_sorted(aim, base,
                 (struct scene_aim_entry){bound_of(aim, s->center, s->radius), index, index + 1U,
                                          OVERLAY_NODES});
 }
 
 /// False: a point is at the viewpoint.
-static bool meet_points(struct aim *aim, const struct tree_point *points, uint32_t first,
+static bool meet_points(struct scene_aim_run *aim, const struct tree_point *points, uint32_t first,
                         uint32_t count, uint32_t item) {
     const struct vec3 offset = offset_of(aim, item);
     for (uint32_t i = first; i < first + count; i++) {
@@ -178,8 +169,8 @@ static bool meet_points(struct aim *aim, const struct tree_point *points, uint32
 }
 
 /// False: a point is at the viewpoint.
-static bool open_overlay(struct aim *aim, uint32_t index) {
-    const struct overlay *const o = aim->options->overlay;
+static bool open_overlay(struct scene_aim_run *aim, uint32_t index) {
+    const struct overlay *const o = aim->options.overlay;
     const struct overlay_node *const node = &o->nodes[index];
     aim->result->nodes_opened++;
     if (node->child[0] != OVERLAY_NONE) {
@@ -197,14 +188,14 @@ static bool open_overlay(struct aim *aim, uint32_t index) {
 }
 
 /// False: a point is at the viewpoint.
-static bool open_node(struct aim *aim, uint32_t index, uint32_t item) {
+static bool open_node(struct scene_aim_run *aim, uint32_t index, uint32_t item) {
     const struct tree_node *const node = &aim->tree->nodes[index];
     const struct vec3 center = overlay_place(tree_center(node), offset_of(aim, item));
     uint32_t px_q8 = UINT32_MAX, distance = 0;
-    if (aim->options->focal_px_q8 != 0U) {
+    if (aim->options.focal_px_q8 != 0U) {
         px_q8 =
-            view_straight_px_q8(aim->options->focal_px_q8, aim->options->eye, center, node->radius);
-        distance = view_distance(aim->options->eye, center);
+            view_straight_px_q8(aim->options.focal_px_q8, aim->options.eye, center, node->radius);
+        distance = view_distance(aim->options.eye, center);
     }
     const struct tree_description *const d = view_choose(aim->tree, node, px_q8, distance);
     aim->result->nodes_opened++;
@@ -221,9 +212,8 @@ static bool open_node(struct aim *aim, uint32_t index, uint32_t item) {
     }
 }
 
-/// Looks for the farthest point outside the cone; takes in what is within the margin. False: a
-/// point is at the viewpoint.
-static bool search(struct aim *aim, uint64_t cone_turn64) {
+/// Begins to look for the farthest point outside the cone, and for those within the margin.
+static void begin_search(struct scene_aim_run *aim, uint64_t cone_turn64) {
     aim->cone_turn64 = cone_turn64;
     aim->least_turn64 = cone_turn64 > MARGIN_TURN64 ? cone_turn64 - MARGIN_TURN64 : 0U;
     aim->best_turn64 = 0;
@@ -233,30 +223,29 @@ static bool search(struct aim *aim, uint64_t cone_turn64) {
     if (aim->tree->header->node_count != 0U) {
         push(aim, 0, 1, OVERLAY_NONE);
     }
-    if (overlay_root(aim->options->overlay) != OVERLAY_NONE) {
-        push_overlay(aim, 0, overlay_root(aim->options->overlay));
+    if (overlay_root(aim->options.overlay) != OVERLAY_NONE) {
+        push_overlay(aim, 0, overlay_root(aim->options.overlay));
     }
-    while (aim->stack_count != 0U) {
-        struct scene_aim_entry *const top = &aim->memory->stack[aim->stack_count - 1U];
-        const uint32_t node = top->next++, item = top->item;
-        uint64_t bound = top->bound_turn64;
-        if (top->end == node + 1U) {
-            aim->stack_count--;
-        } else { // of several nodes: this one's own
-            bound = is_left_out(aim, node, item) ? 0U : bound_of_node(aim, node, item);
-        }
-        if (bound <= aim->least_turn64 && bound != HALF_TURN64) {
-            continue;
-        }
-        if (!(item == OVERLAY_NODES ? open_overlay(aim, node) : open_node(aim, node, item))) {
-            return false;
-        }
+}
+
+/// Looks at the node on top of the stack. False: a point is at the viewpoint.
+static bool search_on(struct scene_aim_run *aim) {
+    struct scene_aim_entry *const top = &aim->memory->stack[aim->stack_count - 1U];
+    const uint32_t node = top->next++, item = top->item;
+    uint64_t bound = top->bound_turn64;
+    if (top->end == node + 1U) {
+        aim->stack_count--;
+    } else { // of several nodes: this one's own
+        bound = is_left_out(aim, node, item) ? 0U : bound_of_node(aim, node, item);
     }
-    return true;
+    if (bound <= aim->least_turn64 && bound != HALF_TURN64) {
+        return true;
+    }
+    return item == OVERLAY_NODES ? open_overlay(aim, node) : open_node(aim, node, item);
 }
 
 /// A point outside enters; without room left, all but the support go.
-static void enter(struct aim *aim) {
+static void enter(struct scene_aim_run *aim) {
     if (aim->set_count == SCENE_AIM_SET) {
         const struct cone_result *const cone = &aim->result->cone;
         for (uint32_t i = 0; i < cone->support_count; i++) { // ascending: never onto a later one
@@ -269,7 +258,7 @@ static void enter(struct aim *aim) {
     add_to_set(aim, aim->best, aim->best_item, aim->best_direction);
 }
 
-static enum cone_status solve(struct aim *aim) {
+static enum cone_status solve(struct scene_aim_run *aim) {
     const struct cone_options options = {.lengths = CONE_LENGTHS_ANY,
                                          .workspace = aim->memory->cone,
                                          .workspace_bytes = sizeof aim->memory->cone};
@@ -280,13 +269,13 @@ static enum cone_status solve(struct aim *aim) {
 }
 
 /// Takes the points that the caller knows into the set. Everything is in its place.
-static void take_warm(struct aim *aim) {
-    for (uint32_t i = 0; i < aim->options->warm_count && i < 4U; i++) {
-        const uint32_t reference = aim->options->warm[i], index = reference & ~SCENE_AIM_CENTER;
+static void take_warm(struct scene_aim_run *aim) {
+    for (uint32_t i = 0; i < aim->options.warm_count && i < 4U; i++) {
+        const uint32_t reference = aim->options.warm[i], index = reference & ~SCENE_AIM_CENTER;
         struct vec3 d = vec3(0, 0, 0);
         if ((reference & SCENE_AIM_CENTER) != 0U) {
             // Only of use where centres stand for points.
-            if (index < aim->tree->header->node_count && aim->options->focal_px_q8 != 0U) {
+            if (index < aim->tree->header->node_count && aim->options.focal_px_q8 != 0U) {
                 const struct tree_node *const n = &aim->tree->nodes[index];
                 d = from_eye(aim, n->x, n->y, n->z);
             }
@@ -302,13 +291,13 @@ static void take_warm(struct aim *aim) {
 }
 
 /// The axis to begin with: toward the middle of everything.
-static void look_at_all(struct aim *aim) {
-    const uint32_t items = overlay_root(aim->options->overlay);
-    struct vec3 middle = aim->options->eye;
+static void look_at_all(struct scene_aim_run *aim) {
+    const uint32_t items = overlay_root(aim->options.overlay);
+    struct vec3 middle = aim->options.eye;
     if (aim->tree->header->node_count != 0U) {
         middle = tree_center(&aim->tree->nodes[0]);
     } else if (items != OVERLAY_NONE) {
-        middle = aim->options->overlay->nodes[items].sphere.center;
+        middle = aim->options.overlay->nodes[items].sphere.center;
     }
     aim->axis_q30 = vec3_normalise(from_eye(aim, middle.x, middle.y, middle.z));
     if (vec3_is_zero(aim->axis_q30)) {
@@ -317,32 +306,25 @@ static void look_at_all(struct aim *aim) {
 }
 
 /// The set to begin with: what the caller knows, or the point farthest from some axis.
-static bool begin(struct aim *aim) {
+static void begin(struct scene_aim_run *aim) {
     look_at_all(aim);
-    if (aim->options->overlay != NULL) {
-        const struct vec3 toward = vec3_normalise(aim->options->toward_q30);
+    if (aim->options.overlay != NULL) {
+        const struct vec3 toward = vec3_normalise(aim->options.toward_q30);
         aim->axis_q30 = vec3_is_zero(toward) ? aim->axis_q30 : toward;
     } else {
         take_warm(aim);
     }
-    if (aim->set_count != 0U) {
-        if (aim->options->focal_px_q8 == 0U) {
-            return true;
-        }
-        // The descriptions may be others now: the old points only tell where to look first.
-        if (solve(aim) == CONE_OK) {
-            aim->axis_q30 = aim->result->cone.axis_q30;
-        }
-        aim->set_count = 0;
+    aim->phase = PHASE_FIRST;
+    if (aim->set_count != 0U && aim->options.focal_px_q8 == 0U) {
+        aim->phase = PHASE_SOLVE;
+        return;
     }
-    aim->best = UINT32_MAX;
-    if (!search(aim, 0)) {
-        return false;
+    // The descriptions may be others now: the old points only tell where to look first.
+    if (aim->set_count != 0U && solve(aim) == CONE_OK) {
+        aim->axis_q30 = aim->result->cone.axis_q30;
     }
-    if (aim->best != UINT32_MAX) {
-        enter(aim);
-    }
-    return true;
+    aim->set_count = 0;
+    begin_search(aim, 0);
 }
 
 static bool is_near(int32_t value) {
@@ -350,43 +332,83 @@ static bool is_near(int32_t value) {
 }
 
 /// References of the points that the cone's result names.
-static void name_points(struct aim *aim, const uint32_t *index, uint8_t count) {
+static void name_points(struct scene_aim_run *aim, const uint32_t *index, uint8_t count) {
     for (uint8_t i = 0; i < count; i++) {
         aim->result->reference[i] = aim->memory->reference[index[i]];
         aim->result->item[i] = aim->memory->item[index[i]];
     }
 }
 
-enum scene_aim_status scene_aim(const struct tree *tree, const struct scene_aim_options *options,
-                                struct scene_aim_memory *memory, struct scene_aim_result *result) {
-    *result = (struct scene_aim_result){0};
-    if (!is_near(options->eye.x) || !is_near(options->eye.y) || !is_near(options->eye.z)) {
-        return SCENE_AIM_ERROR_VIEWPOINT;
-    }
-    struct aim aim = {.tree = tree, .options = options, .memory = memory, .result = result};
-    if (!begin(&aim)) {
-        return SCENE_AIM_AT_VIEWPOINT;
-    }
-    if (aim.set_count == 0U) {
+/// The set's cone, and the search for what is outside.
+static enum scene_aim_status solve_next(struct scene_aim_run *aim) {
+    struct scene_aim_result *const result = aim->result;
+    if (aim->set_count == 0U) {
         return SCENE_AIM_EMPTY;
     }
-    while (result->searches < SEARCHES_MOST) {
-        const enum cone_status status = solve(&aim);
-        if (status != CONE_OK) {
-            name_points(&aim, result->cone.witness, result->cone.witness_count);
-            return SCENE_AIM_INFEASIBLE;
-        }
-        const uint32_t before = aim.set_count;
-        aim.axis_q30 = result->cone.axis_q30;
-        if (!search(&aim, result->cone.half_angle_turn64)) {
-            return SCENE_AIM_AT_VIEWPOINT;
-        }
-        if (aim.best != UINT32_MAX) {
-            enter(&aim);
-        } else if (aim.set_count == before) {
-            name_points(&aim, result->cone.support, result->cone.support_count);
-            return SCENE_AIM_OK;
+    if (result->searches >= SEARCHES_MOST) {
+        return SCENE_AIM_UNFINISHED;
+    }
+    if (solve(aim) != CONE_OK) {
+        name_points(aim, result->cone.witness, result->cone.witness_count);
+        return SCENE_AIM_INFEASIBLE;
+    }
+    aim->set_before = aim->set_count;
+    aim->axis_q30 = result->cone.axis_q30;
+    aim->phase = PHASE_SEARCH;
+    begin_search(aim, result->cone.half_angle_turn64);
+    return SCENE_AIM_MORE;
+}
+
+/// A search is over. Nothing found, and nothing new within the margin: that is the cone.
+static enum scene_aim_status end_search(struct scene_aim_run *aim) {
+    if (aim->best != UINT32_MAX) {
+        enter(aim);
+    } else if (aim->phase == PHASE_SEARCH && aim->set_count == aim->set_before) {
+        name_points(aim, aim->result->cone.support, aim->result->cone.support_count);
+        return SCENE_AIM_OK;
+    }
+    aim->phase = PHASE_SOLVE;
+    return SCENE_AIM_MORE;
+}
+
+void scene_aim_start(struct scene_aim_run *aim, const struct tree *tree,
+                     const struct scene_aim_options *options, struct scene_aim_memory *memory,
+                     struct scene_aim_result *result) {
+    *result = (struct scene_aim_result){0};
+    *aim = (struct scene_aim_run){.tree = tree,
+                                  .options = *options,
+                                  .memory = memory,
+                                  .result = result,
+                                  .phase = PHASE_REFUSED};
+    if (is_near(options->eye.x) && is_near(options->eye.y) && is_near(options->eye.z)) {
+        begin(aim);
+    }
+}
+
+enum scene_aim_status scene_aim_go(struct scene_aim_run *aim, uint32_t steps) {
+    enum scene_aim_status status = SCENE_AIM_MORE;
+    if (aim->phase == PHASE_REFUSED) {
+        return SCENE_AIM_ERROR_VIEWPOINT;
+    }
+    for (uint32_t i = 0; i < steps && status == SCENE_AIM_MORE; i++) {
+        if (aim->phase == PHASE_SOLVE) {
+            status = solve_next(aim);
+        } else if (aim->stack_count != 0U) {
+            status = search_on(aim) ? SCENE_AIM_MORE : SCENE_AIM_AT_VIEWPOINT;
+        } else {
+            status = end_search(aim);
         }
     }
-    return SCENE_AIM_UNFINISHED;
+    return status;
+}
+
+enum scene_aim_status scene_aim(const struct tree *tree, const struct scene_aim_options *options,
+                                struct scene_aim_memory *memory, struct scene_aim_result *result) {
+    struct scene_aim_run run;
+    enum scene_aim_status status = SCENE_AIM_MORE;
+    scene_aim_start(&run, tree, options, memory, result);
+    while (status == SCENE_AIM_MORE) { // SEARCHES_MOST bounds it
+        status = scene_aim_go(&run, UINT32_MAX);
+    }
+    return status;
 }

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 enum scene_aim_status {
+    SCENE_AIM_MORE = 1, ///< scene_aim_go has work left
     SCENE_AIM_OK = 0,
     SCENE_AIM_INFEASIBLE = -1, ///< no direction sees every point; result->reference: the witness
     SCENE_AIM_EMPTY = -2,
@@ -81,5 +82,34 @@ struct scene_aim_result {
 enum scene_aim_status scene_aim(const struct tree *tree, const struct scene_aim_options *options,
                                 struct scene_aim_memory *memory,
                                 struct scene_aim_result *result) MUST_CHECK;
+
+/// The same in pieces, for who has other things to do. The members are scene_aim.c's own.
+struct scene_aim_run {
+    const struct tree *tree;
+    struct scene_aim_options options;
+    struct scene_aim_memory *memory;
+    struct scene_aim_result *result;
+    uint32_t phase;
+    uint32_t set_count, set_before;
+    uint32_t stack_count;
+    struct vec3 axis_q30;
+    // One search:
+    uint64_t least_turn64; ///< what is nearer to the axis does not matter
+    uint64_t cone_turn64;  ///< beyond this a point is outside
+    uint64_t best_turn64;  ///< the farthest point outside so far
+    uint32_t best;         ///< its reference
+    uint32_t best_item;
+    struct vec3 best_direction;
+};
+
+/// tree, memory and result must stay; so must the overlay, without a change, until it is done.
+void scene_aim_start(struct scene_aim_run *run, const struct tree *tree,
+                     const struct scene_aim_options *options, struct scene_aim_memory *memory,
+                     struct scene_aim_result *result);
+
+/// Takes so many steps at most. A step looks at one node: its children, eight at most, or its
+/// points; or it solves the set.
+/// Returns: SCENE_AIM_MORE, or what scene_aim returns; then the run is over.
+enum scene_aim_status scene_aim_go(struct scene_aim_run *run, uint32_t steps) MUST_CHECK;
 
 #endif

@@ -2,8 +2,8 @@
 # The images of the boards: symbols, call graph, budgets. And violations planted to see that the gates catch them.
 . tests/gate/verdict.sh
 check=tests/gate/check
-for mk in boards/*/board.mk; do
-    board=${mk%/board.mk}
+for part in boards/*/board.mk boards/*/scene/scene.ld; do
+    board=${part%/*}
     board=${board#boards/}
     elf=build/boards/$board/boresight.elf
     $check/image-symbols.sh "$elf"
@@ -14,6 +14,15 @@ for mk in boards/*/board.mk; do
     $check/budget.sh "$elf" | sed 's/^/# /'
     $check/budget.sh "$elf" >/dev/null
     verdict "$board: flash, RAM and stack within their budgets" $?
+done
+
+for part in boards/*/scene/scene.ld; do
+    board=${part%/scene/scene.ld}
+    tests/gate/check/scene-size.sh "build/$board" | sed 's/^/# /'
+    tests/gate/check/scene-size.sh "build/$board" >/dev/null
+    verdict "${board#boards/}: what its scene takes is told apart" $?
+    tests/gate/check/scene-size.sh "build/$board/scene" >/dev/null
+    caught "${board#boards/}: images that are not there" $?
 done
 
 dir=$(mktemp -d)

@@ -66,6 +66,19 @@ static void compare(const struct tree *tree, struct vec3 eye, const struct scene
         CHECK(vec3_equal(result.cone.axis_q30, flat.axis_q30));
         CHECK_EQ(result.cone.half_angle_turn64, flat.half_angle_turn64);
     }
+    // In pieces: the same, bit for bit.
+    static struct scene_aim_memory other_memory;
+    struct scene_aim_run run;
+    struct scene_aim_result pieces;
+    enum scene_aim_status piecewise = SCENE_AIM_MORE;
+    scene_aim_start(&run, tree, &options, &other_memory, &pieces);
+    while (piecewise == SCENE_AIM_MORE) {
+        piecewise = scene_aim_go(&run, 1U + solid_below(&seed, 5));
+    }
+    CHECK_EQ(piecewise, status);
+    CHECK(vec3_equal(pieces.cone.axis_q30, result.cone.axis_q30));
+    CHECK_EQ(pieces.point_reads, result.point_reads);
+    CHECK_EQ(pieces.nodes_opened, result.nodes_opened);
     free(points);
     free(reference);
 }

@@ -1,0 +1,161 @@
+/// The image with a scene in its flash, on the emulated chip: a person types where the gimbal
+/// stands, and the gimbal looks where the host says that all of the scene is seen. No tick is
+/// missed over it.
+#include "check.h"
+
+#include "mcu/mcu_board.h"
+#include "scenario.h"
+#include "scene_file.h"
+
+#include "scene/scene_aim.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define IMAGE    "build/boards/stm32f405/scene/boresight.elf"
+#define TREE     "build/boards/stm32f405/scene/block.coca"
+#define SCENARIO "tests/mcu/cpu/park/scenario.ini"
+
+static struct scenario scenario;
+static struct mcu_board board;
+static struct sim *sim;
+static struct serial_pty serial;
+static FILE *console;
+static char *said;
+static size_t said_bytes;
+static char link_path[] = "/tmp/boresight-scene-XXXXXX";
+
+static void run_ms(unsigned ms) {
+    for (unsigned i = 0; i < ms; i++) {
+        sim_step(sim);
+    }
+}
+
+static bool begin(void) {
+    console = open_memstream(&said, &said_bytes);
+    const int handle = mkstemp(link_path); // a name; the link takes its place
+    if (handle >= 0) {
+        close(handle);
+        unlink(link_path);
+    }
+    if (!CHECK(serial_pty_open(&serial, link_path))) {
+        return false;
+    }
+    const struct mcu_board_options options = {
+        .image = IMAGE, .console = console, .serial = &serial};
+    sim = NULL;
+    const char *const wrong = mcu_board_start(&board, &options);
+    if (CHECK(wrong == NULL) && CHECK(scenario_read(SCENARIO, &scenario) == EXIT_STATUS_OK)) {
+        scenario.sim.board = &board.board;
+        sim = sim_create(&scenario.sim);
+    }
+    return CHECK(sim != NULL);
+}
+
+static void finish(void) {
+    if (sim != NULL) {
+        CHECK_EQ(sim_violation_count(&sim->violations), 0);
+        CHECK_EQ(board.machine.soc.complaints, 0);
+        sim_destroy(sim);
+    }
+    scenario_free(&scenario);
+    mcu_board_free(&board);
+    serial_pty_close(&serial);
+    fclose(console);
+    free(said);
+    said = NULL;
+}
+
+/// Types a line, and gives the board time to do what it says and to answer.
+static void type(const char *line, unsigned ms) {
+    CHECK(write(serial.other_end, line, strlen(line)) == (ssize_t)strlen(line));
+    run_ms(ms);
+    fflush(console);
+}
+
+/// What it said last after these words, up to the end of the line.
+static const char *last(const char *words) {
+    const char *found = NULL;
+    for (const char *at = said; at != NULL && (at = strstr(at, words)) != NULL; at++) {
+        found = at;
+    }
+    return found != NULL ? found + strlen(words) : "";
+}
+
+static struct scene_aim_memory memory;
+
+/// Where the host looks from that place, in millimetres; the tree's unit may be finer.
+static void look(const struct tree *tree, const int mm[3], struct scene_aim_result *result) {
+    double unit;
+    memcpy(&unit, tree->header->unit_double, sizeof unit);
+    const double units = 0.001 / unit;
+    const struct scene_aim_options options = {
+        .eye = {(int32_t)(mm[0] * units), (int32_t)(mm[1] * units), (int32_t)(mm[2] * units)}};
+    CHECK_EQ(scene_aim(tree, &options, &memory, result), SCENE_AIM_OK);
+}
+
+static void it_looks_where_the_host_does(void) {
+    static const int from[3][3] = {{0, 0, 1500}, {-35000, 12250, 30000}, {8000, -5000, 0}};
+    struct scene_file file;
+    if (!begin() || !CHECK_EQ(scene_file_open(TREE, &file), EXIT_STATUS_OK)) {
+        finish();
+        return;
+    }
+    run_ms(1500);
+    type("status\r", 300);
+    CHECK(strncmp(last("scene: "), "2000 points; `scene X Y Z` aims at them", 39) == 0);
+    for (unsigned i = 0; i < 3U; i++) {
+        struct scene_aim_result result;
+        look(&file.tree, from[i], &result);
+        char line[80], wanted[80];
+        snprintf(line, sizeof line, "scene %.3f %.3f %.3f\r", from[i][0] * 1e-3, from[i][1] * 1e-3,
+                 from[i][2] * 1e-3);
+        type(line, 6000);
+        type("status\r", 300);
+        const double degrees = ldexp((double)result.cone.half_angle_turn64, -64) * 360.0;
+        snprintf(wanted, sizeof wanted, "aimed at; half-angle %d.%02d degrees, %u reads of 2000",
+                 (int)degrees, (int)(degrees * 100.0) % 100, (unsigned)result.point_reads);
+        CHECK(strncmp(last("scene: "), wanted, strlen(wanted)) == 0);
+        // The mount looks south: its pan is 0 there.
+        const struct controller_status *const status = &sim->pump.output.status;
+        const struct vec3 a = result.cone.axis_q30;
+        const double pan = atan2(-(double)a.x, -(double)a.y) * 180.0 / acos(-1.0),
+                     tilt = asin(a.z * 0x1p-30) * 180.0 / acos(-1.0);
+        CHECK(fabs(ldexp((double)status->axis[AXIS_PAN].setpoint_q48, -48) * 360.0 - pan) < 0.001);
+        CHECK(fabs(ldexp((double)status->axis[AXIS_TILT].setpoint_q48, -48) * 360.0 - tilt) <
+              0.001);
+        CHECK(strncmp(last(" us at most, missed "), "0", 1) == 0);
+        printf("# from %d %d %d mm: pan %.3f tilt %.3f, %u reads\n", from[i][0], from[i][1],
+               from[i][2], pan, tilt, (unsigned)result.point_reads);
+    }
+    check_note("instructions of a turn of the loop, at most", (int64_t)board.probe.counts.loop_max);
+    CHECK(board.probe.counts.loop_max < 168000U);
+    scene_file_close(&file);
+    finish();
+}
+
+static void what_cannot_be_is_told(void) {
+    if (begin()) {
+        run_ms(1500);
+        type("scene 1 2\r", 300);
+        CHECK(strstr(said, "error: expected X Y Z in metres: scene 0 -12.5 1.8") != NULL);
+        type("scene 0 -60 3\r", 1000);
+        type("status\r", 300);
+        CHECK(strncmp(last("scene: "), "no direction sees all of it from there", 38) == 0);
+        type("scene 900000 0 0\r", 300);
+        type("status\r", 300);
+        CHECK(strncmp(last("scene: "), "that is too far away from it", 28) == 0);
+        CHECK(strncmp(last(" us at most, missed "), "0", 1) == 0);
+    }
+    finish();
+}
+
+int main(void) {
+    TEST(it_looks_where_the_host_does);
+    TEST(what_cannot_be_is_told);
+    return check_finish();
+}
