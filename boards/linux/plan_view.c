@@ -34,6 +34,9 @@ static void narrow(const struct plan *plan, struct plan_view *view) {
 
 // ---------------------------------------------------------------- the rig
 
+/// Without a rig no lens is longer than for such a cone: the axis' rounding would be seen.
+static const double least_half_rad = 1e-5;
+
 static bool axis_reaches(const struct limiter_config *limits, bam32_t angle) {
     const int64_t position = axis_unwrap(angle, 0, limits->min_q48, limits->max_q48);
     return axis_to_bam32(position).bam == angle.bam;
@@ -68,8 +71,8 @@ static void set_rig(const struct plan_camera *camera, struct plan_view *view) {
     if (camera->rig == NULL) {
         view->reachable = true;
         view->zoom = PLAN_ZOOM_FITS;
-        view->focal_px =
-            short_side(camera->width_px, camera->height_px) / 2 / tan(view->half_angle_rad);
+        const double half_rad = fmax(view->half_angle_rad, least_half_rad);
+        view->focal_px = short_side(camera->width_px, camera->height_px) / 2 / tan(half_rad);
         return;
     }
     struct mount_joints joints;

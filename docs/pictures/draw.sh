@@ -78,10 +78,51 @@ for y in 4 6 9 14 22 40; do echo "-1.4 $y -1.5 1.4 $y -1.5"; done >>"$dir/rails.
 aim --viewpoint 21,17,14 --segments "$dir/house.edges" "$dir/house" | svg 'From the line through two corners one hides the other' >"$out/lineup.svg" || exit 1
 aim --viewpoint -3.13,20.54,27.55 --segments "$dir/house.edges" "$dir/house" | svg 'From a mount that the planner proposed' >"$out/apart.svg" || exit 1
 
-# Five targets: the sphere through a mount near them, and one far away.
-printf '%s\n' '0 0 0' '1 0 0' '0 2 0' '0.3 0.2 1.5' '1 1.2 0.4' >"$dir/targets"
-echo '2.152 -1.48 4.428' >"$dir/near"
-echo '2100 -2000 4000' >"$dir/far"
-for mount in near far; do
-    "$boresight" plan --mounts "$dir/$mount" --picture "$out/sphere-$mount.svg" "$dir/targets" >/dev/null || exit 1
-done
+# Five points: what is forbidden in a parallel projection, and the best direction as `regular` prints it, seen by a mount 300 times
+# as far away as they are; and the sphere through a mount near them.
+printf '%s\n' '0 0 0' '10 0 0' '0 20 0' '3 2 15' '10 12 4' >"$dir/points"
+along() { # PROBLEM
+    "$boresight" regular "$1" optimize "$dir/points" |
+        awk '$1 == "direction" { s = ($4 < 0 ? -5000 : 5000) / sqrt($2 * $2 + $3 * $3 + $4 * $4); printf "%.3f %.3f %.3f\n", $2 * s, $3 * s, $4 * s }' >"$dir/mount"
+}
+sphere() { # NAME OPTION...
+    name=$1
+    shift
+    "$boresight" plan --mounts "$dir/mount" --picture "$out/$name.svg" "$@" "$dir/points" >/dev/null || exit 1
+}
+along points3-line
+sphere sphere-points --lines
+along points3-plane
+sphere sphere-circles
+echo '21.52 -14.8 44.28' >"$dir/mount"
+sphere sphere-near
+
+# The circle of directions of points in the plane: a forbidden direction and its opposite for each pair, the best direction and its gap.
+printf '%s\n' '0 0' '1 3' '4 1' '5 5' '2 6' >"$dir/plane"
+{ "$boresight" regular points2-line optimize "$dir/plane" && cat "$dir/plane"; } | awk '
+    function ray(angle, from, to, class) {
+        printf "<line class=\"%s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>\n", class, 200 + from * cos(angle), 120 - from * sin(angle), 200 + to * cos(angle), 120 - to * sin(angle)
+    }
+    function gap(middle) {
+        printf "<path class=\"gap\" d=\"M200 120L%.1f %.1fA100 100 0 0 0 %.1f %.1fZ\"/>\n", 200 + 100 * cos(middle - tolerance), 120 - 100 * sin(middle - tolerance), 200 + 100 * cos(middle + tolerance), 120 - 100 * sin(middle + tolerance)
+    }
+    $1 == "direction" { best = atan2($3, $2); next }
+    $1 == "tolerance_rad" { tolerance = $2; next }
+    NF == 2 && $1 + 0 == $1 { x[count] = $1; y[count++] = $2 }
+    END {
+        pi = atan2(0, -1)
+        print "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 400 240\" width=\"400\" height=\"240\">"
+        print "<title>Forbidden directions in the plane, and the widest gap</title>"
+        print "<style>.paper{fill:#fff}circle{fill:none;stroke:#456}.point{fill:#2a7;stroke:none}.gap{fill:#c40;fill-opacity:.15;stroke:#c40}.best{stroke:#c40;stroke-width:1.5}.forbidden{stroke:#68a;stroke-width:.8}</style>"
+        print "<rect class=\"paper\" width=\"400\" height=\"240\"/>"
+        gap(best)
+        gap(best + pi)
+        for (i = 0; i < count; i++) for (j = 0; j < i; j++) {
+            angle = atan2(y[i] - y[j], x[i] - x[j])
+            ray(angle, -100, 100, "forbidden")
+        }
+        ray(best, -100, 100, "best")
+        print "<circle cx=\"200\" cy=\"120\" r=\"100\"/>"
+        for (i = 0; i < count; i++) printf "<circle class=\"point\" cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>\n", 200 + 7 * (x[i] - 2.5), 120 - 7 * (y[i] - 3)
+        print "</svg>"
+    }' >"$out/gap.svg" || exit 1

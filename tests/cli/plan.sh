@@ -59,6 +59,19 @@ verdict "a rig's reach and lens" $?
 awk -v f="$(of 0 focal_mm)" -v h="$(of 0 half_angle_deg)" 'BEGIN { h *= 0.017453292519943295; exit !(f * sin(h) / cos(h) * 1.12 - 1.8 < 0.001 && f * sin(h) / cos(h) * 1.12 - 1.8 > -0.001) }'
 verdict 'the focal length fits the cone and its margin' $?
 
+# From far away the picture is a parallel projection: the sphere's tolerance is that of the best direction, which other code finds.
+printf '0 0 0\n10 0 0\n0 20 0\n3 2 15\n10 12 4\n' >"$dir/five"
+for problem in points3-line points3-plane; do
+    lines=
+    [ $problem = points3-plane ] || lines=--lines
+    "$boresight" regular $problem optimize "$dir/five" >"$dir/best"
+    awk '$1 == "direction" { s = 5000 / sqrt($2 * $2 + $3 * $3 + $4 * $4); printf "%.3f %.3f %.3f\n", $2 * s, $3 * s, $4 * s }' "$dir/best" >"$dir/far"
+    run plan $lines --mounts "$dir/far" --json "$dir/five"
+    facts
+    awk -v got="$(fact tolerance_deg)" '$1 == "tolerance_rad" { d = got - $2 * 57.29577951308232; exit !(got > 20 && d > -0.3 && d < 0.3) }' "$dir/best"
+    verdict "seen from far away: the tolerance of regular $problem" $?
+done
+
 # Proposals: as many as asked for, apart, the best first, none below, and what is printed can be given back.
 awk 'BEGIN { srand(5); for (i = 0; i < 12; i++) printf "%.2f %.2f %.2f\n", 6 * rand(), 4 * rand(), 1 + 2 * rand() }' >"$dir/stage"
 run plan --count 4 --distance 12 --above 2.5 --picture "$dir/sphere.svg" --json "$dir/stage"
