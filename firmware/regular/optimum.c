@@ -86,7 +86,12 @@ static void tell_tolerance(struct steps *steps, const struct optimum *o,
     steps->result->tolerance_is_bound = o->normal_count != 0U && of_lines < least;
     least = of_lines < least ? of_lines : least;
     steps->result->tolerance_turn64 = least > DISC_ANGLE_ERROR ? least - DISC_ANGLE_ERROR : 0U;
-    steps->result->direction = wide(primitive_reduced(direction));
+    // Of the two opposite directions the upper one, which `above` has already.
+    direction = primitive_reduced(direction);
+    const int64_t last =
+        direction.z != 0 ? direction.z : (direction.y != 0 ? direction.y : direction.x);
+    steps->result->direction =
+        wide(last < 0 ? (struct vec3_i64){-direction.x, -direction.y, -direction.z} : direction);
     steps->result->operations += o->normal_count + o->line_count;
 }
 
