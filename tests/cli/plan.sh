@@ -73,7 +73,8 @@ for problem in points3-line points3-plane; do
 done
 
 # Proposals: as many as asked for, apart, the best first, none below, and what is printed can be given back.
-awk 'BEGIN { srand(5); for (i = 0; i < 12; i++) printf "%.2f %.2f %.2f\n", 6 * rand(), 4 * rand(), 1 + 2 * rand() }' >"$dir/stage"
+awk 'function random() { state = state * 16807 % 2147483647; return state / 2147483647 }
+    BEGIN { state = 5; for (i = 0; i < 12; i++) { x = 6 * random(); y = 4 * random(); printf "%.2f %.2f %.2f\n", x, y, 1 + 2 * random() } }' >"$dir/stage"
 run plan --count 4 --distance 12 --above 2.5 --picture "$dir/sphere.svg" --json "$dir/stage"
 has 'proposals' 0 'mounts=4' 'proposed=true' 'exact=true' 'ranking[3].usable=true'
 cp "$dir/facts" "$dir/proposed"
