@@ -12,7 +12,7 @@ has 'three targets, five mounts: the order and who is usable' 0 'targets=3' 'mou
     'ranking[0].plane_at[0]=1' 'ranking[0].plane_at[2]=0' 'ranking[0].lines_through=0' 'ranking[0].line[0]=1' 'ranking[0].line[1]=2' \
     'ranking[0].line_cm=300.000000' 'ranking[0].margin_cm=300.000000' 'ranking[0].margin_px=360.000' 'ranking[1].margin_px=360.000' \
     'ranking[2].mount=1' 'ranking[2].usable=true' 'ranking[2].lines_through=1' 'ranking[2].planes_through=1' 'ranking[2].line[1]=1' \
-    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' 'ranking[2].lined_up=1' 'ranking[2].lined_up_first[2]=2' 'ranking[0].lined_up=0' \
+    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' 'ranking[2].lined_up=1' 'ranking[2].lined_up_first[2]=2' 'ranking[2].lined_up_normal[0]=0' 'ranking[0].lined_up=0' \
     'ranking[3].usable=false' 'ranking[3].feasible=false' 'ranking[3].why_not="no direction sees all targets"' 'ranking[3].witness[0]=1' \
     'ranking[4].why_not="at a target"' 'ranking[4].target[0]=2'
 printf 'far 9 1 8\nnear 1 1 2\n' >"$dir/two"
