@@ -78,6 +78,17 @@ static void print_hidden(struct facts *facts, const struct page *page,
     }
 }
 
+/// The unit normal of the plane in which the first triple lines up.
+static void print_way_out(struct facts *facts, const struct lineup_result *lineup) {
+    const double n[3] = {(double)lineup->normal.x, (double)lineup->normal.y,
+                         (double)lineup->normal.z};
+    const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (size > 0) {
+        const double unit[3] = {n[0] / size, n[1] / size, n[2] / size};
+        facts_reals(facts, "lined_up_normal", unit, 3);
+    }
+}
+
 static void print_margins(struct facts *facts, const struct page *page,
                           const struct plan_view *view) {
     const struct viewpoint_result *const m = &view->margins;
@@ -93,6 +104,7 @@ static void print_margins(struct facts *facts, const struct page *page,
         facts_u64(facts, "lined_up", view->lineup.triples);
         if (view->lineup.triples != 0U) {
             print_targets(facts, page, "lined_up_first", view->lineup.first, 3);
+            print_way_out(facts, &view->lineup);
         }
     }
     if (page->plan->planes) {

@@ -17,6 +17,7 @@ struct search {
     struct slope *slopes; ///< by target: of the line to it
     struct vec3 *turned;
     uint32_t *order, *spare, *later;
+    struct rotation rotation;
     struct lineup_result *result;
 };
 
@@ -49,7 +50,8 @@ static bool is_general(const struct search *s) {
 }
 
 /// Turns all of them. False: one does not fit.
-static bool turn_all(const struct search *s, const struct rotation *rotation) {
+static bool turn_all(struct search *s, const struct rotation *rotation) {
+    s->rotation = *rotation;
     for (uint32_t i = 0; i < s->count; i++) {
         if (!rotation_fits(rotation, s->given[i])) {
             return false;
@@ -59,7 +61,7 @@ static bool turn_all(const struct search *s, const struct rotation *rotation) {
     return true;
 }
 
-static bool find_turn(const struct search *s) {
+static bool find_turn(struct search *s) {
     for (uint32_t number = 0; number < TURNS_MAX; number++) {
         const struct rotation rotation = rotation_try(number);
         s->result->turns = number;
@@ -137,6 +139,20 @@ static void count_from(struct search *s, uint32_t i) {
     }
 }
 
+/// The plane of the first triple, found among the turned ones.
+static void find_normal(struct search *s) {
+    static const unsigned pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+    const uint32_t *const first = s->result->first;
+    for (unsigned p = 0; p < 3U && s->result->triples != 0U; p++) {
+        const struct vec3_i64 cross =
+            vec3_cross(s->turned[first[pairs[p][0]]], s->turned[first[pairs[p][1]]]);
+        if ((cross.x | cross.y | cross.z) != 0) {
+            s->result->normal = rotation_back(&s->rotation, cross);
+            return;
+        }
+    }
+}
+
 // ---------------------------------------------------------------- the whole
 
 enum lineup_status lineup_find(const struct vec3 *directions, uint32_t count, bool turn,
@@ -155,15 +171,21 @@ enum lineup_status lineup_find(const struct vec3 *directions, uint32_t count, bo
     struct slope *const slopes = workspace;
     struct vec3 *const turned = (struct vec3 *)(void *)(slopes + count);
     uint32_t *const order = (uint32_t *)(void *)(turned + count);
-    struct search search = {
-        directions, count, slopes, turned, order, order + count, order + 2U * (size_t)count,
-        result};
-    if (turn ? !find_turn(&search)
-             : !turn_all(&search, &(struct rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1})) {
+    struct search search = {.given = directions,
+                            .count = count,
+                            .slopes = slopes,
+                            .turned = turned,
+                            .order = order,
+                            .spare = order + count,
+                            .later = order + 2U * (size_t)count,
+                            .result = result};
+    const struct rotation none = rotation_try(0);
+    if (turn ? !find_turn(&search) : !turn_all(&search, &none)) {
         return LINEUP_ERROR_POSITION;
     }
     for (uint32_t i = 0; i < count; i++) {
         count_from(&search, i);
     }
+    find_normal(&search);
     return LINEUP_OK;
 }

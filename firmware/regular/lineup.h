@@ -4,8 +4,8 @@
 /// That takes O(n^2 log n) time and O(n) space, and needs general position: no target in the
 /// viewer's own plane, and no two with the same x in the picture, whose line has no slope. It gets
 /// it from an exact turn (regular/rotation.h) that is tested to be regular, as section 2 of the
-/// paper does: sort, and look for two with the same x. Turning changes no answer, since the answers
-/// are which targets line up; so there is nothing to turn back.
+/// paper does: sort, and look for two with the same x. Which targets line up is the same before and
+/// after; the normal of their plane is turned back, exactly.
 #ifndef REGULAR_LINEUP_H
 #define REGULAR_LINEUP_H
 
@@ -35,7 +35,10 @@ struct lineup_result {
     uint64_t triples;
     uint64_t pairs;    ///< in the same or in opposite directions
     uint32_t first[3]; ///< the first triple, ascending, if there is one
-    uint32_t turns;    ///< turns that were tried; 0: it was in general position as it stood
+    /// Of the plane of the first triple: the cross product of the first two of its directions that
+    /// are not parallel. The viewpoint leaves the plane along it. Zero if there are no such two.
+    struct vec3_i64 normal;
+    uint32_t turns; ///< turns that were tried; 0: it was in general position as it stood
 };
 
 /// directions: count, from the viewpoint, none zero, each shorter than 2^31; not modified.

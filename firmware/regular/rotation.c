@@ -37,3 +37,22 @@ struct vec3 rotation_apply(const struct rotation *rotation, struct vec3 a) {
                 (int32_t)vec3_dot(rotation->row[1], a).lo,
                 (int32_t)vec3_dot(rotation->row[2], a).lo);
 }
+
+/// (row . cross) / scale^3: the turned cross product is longer by scale^2, its image by scale.
+static int64_t component_back(struct vec3 column, struct vec3_i64 cross, uint64_t scale3) {
+    const struct i128 sum = vec3_i64_dot_vec3(cross, column);
+    const bool negative = i128_sign(sum) < 0;
+    const struct i128 size = negative ? i128_neg(sum) : sum;
+    uint64_t rest;
+    const uint64_t quotient =
+        u128_div_u64((struct u128){size.lo, (uint64_t)size.hi}, scale3, &rest);
+    return negative ? -(int64_t)quotient : (int64_t)quotient;
+}
+
+struct vec3_i64 rotation_back(const struct rotation *rotation, struct vec3_i64 cross) {
+    const struct vec3 *const r = rotation->row;
+    const uint64_t scale = (uint64_t)rotation->scale, scale3 = scale * scale * scale;
+    return (struct vec3_i64){component_back(vec3(r[0].x, r[1].x, r[2].x), cross, scale3),
+                             component_back(vec3(r[0].y, r[1].y, r[2].y), cross, scale3),
+                             component_back(vec3(r[0].z, r[1].z, r[2].z), cross, scale3)};
+}

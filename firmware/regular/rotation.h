@@ -1,7 +1,8 @@
 /// Exact rotations of integer vectors, for algorithms that need general position.
 ///
 /// A quaternion of four integers makes a matrix of integers whose rows are at right angles and
-/// equally long: a rotation times `scale`. So what is turned keeps its angles exactly.
+/// equally long: a rotation times `scale`. So what is turned keeps its angles exactly, and what is
+/// found among the turned ones comes back exactly.
 #ifndef REGULAR_ROTATION_H
 #define REGULAR_ROTATION_H
 
@@ -31,5 +32,9 @@ bool rotation_fits(const struct rotation *rotation, struct vec3 a);
 
 /// The turned vector, times scale.
 struct vec3 rotation_apply(const struct rotation *rotation, struct vec3 a);
+
+/// Turns a cross product back: from that of rotation_apply(a) and rotation_apply(b) to a x b,
+/// exactly. Shown: tests/property/lineup.c.
+struct vec3_i64 rotation_back(const struct rotation *rotation, struct vec3_i64 cross);
 
 #endif

@@ -12,7 +12,7 @@ has 'three targets, five mounts: the order and who is usable' 0 'targets=3' 'mou
     'ranking[0].plane_at[0]=1' 'ranking[0].plane_at[2]=0' 'ranking[0].lines_through=0' 'ranking[0].line[0]=1' 'ranking[0].line[1]=2' \
     'ranking[0].line_cm=300.000000' 'ranking[0].margin_cm=300.000000' 'ranking[0].margin_px=360.000' 'ranking[1].margin_px=360.000' \
     'ranking[2].mount=1' 'ranking[2].usable=true' 'ranking[2].lines_through=1' 'ranking[2].planes_through=1' 'ranking[2].line[1]=1' \
-    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' 'ranking[2].lined_up=1' 'ranking[2].lined_up_first[2]=2' 'ranking[0].lined_up=0' \
+    'ranking[2].margin_cm=0.000000' 'ranking[2].margin_px=0.000' 'ranking[2].lined_up=1' 'ranking[2].lined_up_first[2]=2' 'ranking[2].lined_up_normal[0]=0' 'ranking[0].lined_up=0' \
     'ranking[3].usable=false' 'ranking[3].feasible=false' 'ranking[3].why_not="no direction sees all targets"' 'ranking[3].witness[0]=1' \
     'ranking[4].why_not="at a target"' 'ranking[4].target[0]=2'
 printf 'far 9 1 8\nnear 1 1 2\n' >"$dir/two"
@@ -73,7 +73,8 @@ for problem in points3-line points3-plane; do
 done
 
 # Proposals: as many as asked for, apart, the best first, none below, and what is printed can be given back.
-awk 'BEGIN { srand(5); for (i = 0; i < 12; i++) printf "%.2f %.2f %.2f\n", 6 * rand(), 4 * rand(), 1 + 2 * rand() }' >"$dir/stage"
+awk 'function random() { state = state * 16807 % 2147483647; return state / 2147483647 }
+    BEGIN { state = 5; for (i = 0; i < 12; i++) { x = 6 * random(); y = 4 * random(); printf "%.2f %.2f %.2f\n", x, y, 1 + 2 * random() } }' >"$dir/stage"
 run plan --count 4 --distance 12 --above 2.5 --picture "$dir/sphere.svg" --json "$dir/stage"
 has 'proposals' 0 'mounts=4' 'proposed=true' 'exact=true' 'ranking[3].usable=true'
 cp "$dir/facts" "$dir/proposed"

@@ -46,6 +46,18 @@ static struct lineup_result all_triples(const struct vec3 *d, uint32_t count) {
     return r;
 }
 
+/// The normal of the first triple, from the directions as given; zero if all three are parallel.
+static bool is_normal(const struct lineup_result *r, const struct vec3 *d) {
+    struct vec3_i64 n = {0, 0, 0};
+    for (int k = 0; k < 3 && r->triples != 0U && (n.x | n.y | n.z) == 0; k++) {
+        const struct vec3 a = d[r->first[k == 2]], b = d[r->first[k == 0 ? 1 : 2]];
+        n = (struct vec3_i64){(int64_t)a.y * b.z - (int64_t)a.z * b.y,
+                              (int64_t)a.z * b.x - (int64_t)a.x * b.z,
+                              (int64_t)a.x * b.y - (int64_t)a.y * b.x};
+    }
+    return r->normal.x == n.x && r->normal.y == n.y && r->normal.z == n.z;
+}
+
 static bool same(const struct lineup_result *a, const struct lineup_result *b) {
     return a->triples == b->triples && a->pairs == b->pairs &&
            memcmp(a->first, b->first, sizeof a->first) == 0;
@@ -83,6 +95,7 @@ static void random_sets(void) {
         const uint32_t count = draw_set(d, round);
         const struct lineup_result wanted = all_triples(d, count), got = find(d, count, true);
         turns = got.turns > turns ? got.turns : turns;
+        CHECK(is_normal(&got, d));
         if (!CHECK(same(&got, &wanted))) {
             printf("  %u directions: %llu triples, not %llu, SEED=%llu\n", count,
                    (unsigned long long)got.triples, (unsigned long long)wanted.triples,
@@ -116,6 +129,7 @@ static void on_a_lattice_only_the_turn_is_right(void) {
                                    as_is = find(d, count, false);
         CHECK(same(&turned, &wanted));
         CHECK(turned.turns > 0U);
+        CHECK(is_normal(&turned, d));
         CHECK(as_is.triples != wanted.triples);
         printf("# lattice of %u: %llu triples, %llu without the turn, turn %u\n", count,
                (unsigned long long)wanted.triples, (unsigned long long)as_is.triples, turned.turns);

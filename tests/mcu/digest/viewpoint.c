@@ -58,6 +58,7 @@ static void lineups(void) {
         digest_u64(&d, result.triples);
         digest_u64(&d, result.pairs);
         digest_u64(&d, result.turns);
+        digest_vec3_i64(&d, result.normal);
         for (unsigned k = 0; k < 3U; k++) {
             digest_u64(&d, result.first[k]);
         }
