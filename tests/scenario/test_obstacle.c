@@ -50,10 +50,12 @@ static struct motion measure(const char *path, const char *name) {
     return motion;
 }
 
-/// Writes a scenario beside the others (its rig is named from there), runs it, and removes it.
+#define RIG "rig = ../host-sim/rigs/moving.ini\n"
+
+/// Writes a scenario, runs it, and removes it.
 static struct motion run(const char *base, const char *text, const char *settings,
                          const char *name) {
-    char path[] = "host-sim/scenarios/.obstacle-XXXXXX";
+    char path[] = "build/obstacle-XXXXXX";
     char line[256];
     const int file = mkstemp(path);
     FILE *const from = base != NULL ? fopen(base, "r") : NULL;
@@ -62,7 +64,8 @@ static struct motion run(const char *base, const char *text, const char *setting
         return (struct motion){0, 0, 0, 0};
     }
     while (from != NULL && fgets(line, sizeof line, from) != NULL) {
-        fputs(line, to);
+        const bool rig = strncmp(line, "rig = ", 6) == 0;
+        fputs(rig ? RIG : line, to);
     }
     fprintf(to, "%s\n[occlusion]\n%s", text, settings);
     if (from != NULL) {
@@ -89,7 +92,7 @@ static void calm_while_an_obstacle_passes(void) {
 /// One of two walks behind a wall and stays there: both policies end on the other one, calm goes
 /// there before and slowly.
 static void hidden_for_good(void) {
-    const char *const text = "[scenario]\nname = wall\nrig = ../rigs/moving.ini\nseconds = 24\n"
+    const char *const text = "[scenario]\nname = wall\n" RIG "seconds = 24\n"
                              "[obstacle wall]\nsize_m = 30, 0.5, 6\nstart_m = 17.5, 15, 0\n"
                              "[mover ann]\nid = 1\nstart_m = -6, 20, 0\n"
                              "[mover bob]\nid = 2\nstart_m = -7, 20, 0\nvelocity_mps = 1, 0, 0\n";
