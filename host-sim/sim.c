@@ -102,7 +102,7 @@ struct sim *sim_create(const struct sim_config *config) {
         build_controller(sim) && build_axis(sim, AXIS_PAN) && build_axis(sim, AXIS_TILT);
     sim_check_init(sim);
     sim_measure_init(sim);
-    if (!built) {
+    if (!built || !sim_world_init(sim)) {
         sim_destroy(sim);
         return NULL;
     }
@@ -112,6 +112,7 @@ struct sim *sim_create(const struct sim_config *config) {
 void sim_destroy(struct sim *sim) {
     if (sim != NULL) {
         free(sim->measure.errors_deg);
+        free(sim->occlusion_workspace);
         free(sim);
     }
 }
@@ -135,9 +136,14 @@ static int64_t blur_um(struct sim *sim, int64_t value_um, double deviation_m) {
 }
 
 /// To the pump, or to the board.
-static bool give(struct sim *sim, const struct target_update *update) {
+static bool give_controller(struct sim *sim, const struct target_update *update) {
     const struct sim_board *board = sim->config.board;
     return board != NULL ? board->push(board->context, update) : pump_push(&sim->pump, update);
+}
+
+/// By way of what may hide it.
+static bool give(struct sim *sim, const struct target_update *update) {
+    return sim_world_take(sim, update) || give_controller(sim, update);
 }
 
 static void command(struct sim *sim, uint32_t commands) {
@@ -191,6 +197,7 @@ static void feed(struct sim *sim) {
         sim->next_item++;
     }
     move_targets(sim);
+    sim_world_step(sim, give_controller);
     while (sim->next_command < sim->config.command_count &&
            sim->config.commands[sim->next_command].at_us <= sim->time_us) {
         command(sim, sim->config.commands[sim->next_command++].commands);

@@ -15,6 +15,7 @@
 #include "devices/rmd_drive.h"
 #include "plant/axis_plant.h"
 #include "replay/recording.h"
+#include "target/occlusion.h"
 #include "world/schedule.h"
 
 #include <stdbool.h>
@@ -45,18 +46,30 @@ struct sim_board {
     void *context;
 };
 
+/// Solids between the camera and its targets, in groups that move alike. What the controller hears
+/// goes through occlusion first.
+struct sim_obstacles {
+    struct occlusion_config occlusion;
+    bool ignored; ///< they stand in the pictures and hide nothing
+    uint32_t group_count;
+    struct {
+        double start_m[3], velocity_mps[3];
+    } group[OCCLUSION_GROUPS_MAX];
+};
+
 struct sim_config {
     const struct controller_config *controller;
     const struct schedule *schedule;
     const struct sim_command *commands; ///< ascending in time
     size_t command_count;
     uint64_t seed;
-    uint32_t start_us;             ///< of the controller's clock: 0xFFFF0000 tests its wrap
-    double can_loss;               ///< probability that a frame is lost
-    double start_deg[2];           ///< pan and tilt at power-on
-    double fixed_focal_mm;         ///< of the camera when there is no zoom axis
-    const struct sim_board *board; ///< NULL: the simulator runs the controller
-    struct recorder *recorder;     ///< gets every tick's input and output; NULL: nobody does
+    uint32_t start_us;                     ///< of the controller's clock: 0xFFFF0000 tests its wrap
+    double can_loss;                       ///< probability that a frame is lost
+    double start_deg[2];                   ///< pan and tilt at power-on
+    double fixed_focal_mm;                 ///< of the camera when there is no zoom axis
+    const struct sim_board *board;         ///< NULL: the simulator runs the controller
+    const struct sim_obstacles *obstacles; ///< NULL: nothing hides anything
+    struct recorder *recorder; ///< gets every tick's input and output; NULL: nobody does
 };
 
 // ---------------------------------------------------------------- what it found
@@ -166,6 +179,8 @@ struct sim {
     struct sim_axis_check check[AXIS_COUNT];
     struct sim_violations violations;
     struct sim_measure measure;
+    struct occlusion occlusion;
+    void *occlusion_workspace; ///< NULL: none
 };
 
 // ---------------------------------------------------------------- use
@@ -202,6 +217,10 @@ void sim_board_tick(struct sim *sim, const struct sim_board_tick *tick);
 
 /// What a camera on the gimbal sees at this moment: the truth, which the controller does not know.
 struct sim_view sim_observe(const struct sim *sim);
+
+/// Where a group of obstacles is at a time, in micrometres.
+struct vec3_i64 sim_group_offset_um(const struct sim_obstacles *obstacles, uint32_t group,
+                                    uint64_t at_us);
 
 /// True joint angle of pan or tilt.
 double sim_joint_deg(const struct sim *sim, unsigned axis);

@@ -29,8 +29,12 @@ void sim_measure_init(struct sim *sim) {
 }
 
 void sim_measure_update(struct sim *sim, const struct target_update *update) {
+    struct target_update shown = *update;
+    if (sim->occlusion_workspace != NULL) { // what is hidden counts as the policy has it
+        (void)occlusion_adjust(&sim->occlusion, update, &shown);
+    }
     // What the controller must refuse is no truth either.
-    (void)!target_set_apply(&sim->measure.truth, update, sim->time_us);
+    (void)!target_set_apply(&sim->measure.truth, &shown, sim->time_us);
 }
 
 /// Follows the optimal axis; a jump of it (or the first one) starts the settling clock.
@@ -126,6 +130,9 @@ void sim_measure_step(struct sim *sim) {
         record_error(measure, view.error_deg);
     }
     for (uint32_t i = 0; i < measure->truth.count; i++) {
+        if (measure->truth.target[i].weight_q16 == 0U) {
+            continue; // hidden
+        }
         measure->looked_at++;
         measure->seen += in_picture(sim, &view, measure->truth.direction_q30[i]);
     }

@@ -20,6 +20,14 @@ void sim_check_served(struct sim *sim);
 /// A frame on the bus that commands motion, seen by the observer: I4.
 void sim_check_frame(struct sim *sim, const struct can_transfer *transfer);
 
+/// The obstacles. False: no memory, or their settings are out of range.
+bool sim_world_init(struct sim *sim);
+/// Keeps a report of a target for the next frame. False: the controller hears of it as it is.
+bool sim_world_take(struct sim *sim, const struct target_update *update);
+/// Moves the obstacles, and gives out the updates of a frame when one is due.
+void sim_world_step(struct sim *sim,
+                    bool give(struct sim *sim, const struct target_update *update));
+
 void sim_measure_init(struct sim *sim);
 /// Applies an update, as it really is, to the truth.
 void sim_measure_update(struct sim *sim, const struct target_update *update);

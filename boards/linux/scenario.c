@@ -2,6 +2,7 @@
 
 #include "ini_schema.h"
 #include "scenario_targets.h"
+#include "scenario_world.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -38,11 +39,12 @@ struct scenario_event {
 
 struct scenario_file {
     struct scenario_run run;
-    bool has_targets;
+    bool has_targets, has_occlusion;
     struct scenario_targets targets;
     uint32_t mover_count, event_count;
     struct scenario_mover mover[MOVERS_MOST];
     struct scenario_event event[SCENARIO_EVENTS_MAX];
+    struct scenario_world_file world;
 };
 
 enum { FORMAT_JSONL, FORMAT_STARS, FORMAT_BOXES };
@@ -311,6 +313,33 @@ static const struct ini_section sections[] = {
      .most = SCENARIO_EVENTS_MAX,
      .label_offset = offsetof(struct scenario_event, label),
      .help = "a command at a time"},
+    {.name = "obstacle",
+     .presence = INI_MANY,
+     TABLE(scenario_obstacle_keys),
+     .offset = offsetof(struct scenario_file, world.obstacle),
+     .seen_offset = offsetof(struct scenario_file, world.obstacle_count),
+     .stride = sizeof(struct scenario_obstacle),
+     .most = OBSTACLES_MOST,
+     .label_offset = offsetof(struct scenario_obstacle, label),
+     .help = "a box that hides what is behind it"},
+    {.name = "scene",
+     .presence = INI_OPTIONAL,
+     TABLE(scenario_scene_keys),
+     .offset = offsetof(struct scenario_file, world.scene),
+     .seen_offset = offsetof(struct scenario_file, world.has_scene),
+     .help = "solids that stand still"},
+    {.name = "flight",
+     .presence = INI_OPTIONAL,
+     TABLE(scenario_flight_keys),
+     .offset = offsetof(struct scenario_file, world.flight),
+     .seen_offset = offsetof(struct scenario_file, world.has_flight),
+     .help = "the camera itself moves"},
+    {.name = "occlusion",
+     .presence = INI_OPTIONAL,
+     TABLE(scenario_occlusion_keys),
+     .offset = offsetof(struct scenario_file, world.occlusion),
+     .seen_offset = offsetof(struct scenario_file, has_occlusion),
+     .help = "what hidden targets count"},
 };
 static const struct ini_schema schema = {sections, sizeof sections / sizeof *sections};
 
@@ -391,6 +420,14 @@ static enum exit_status read_targets(const struct scenario_file *file, const cha
     }
 }
 
+static enum exit_status read_world(const struct scenario_file *file, const char *path,
+                                   struct scenario *out) {
+    const char *const scene =
+        file->world.has_scene ? resolve(&out->ini, path, file->world.scene.file) : NULL;
+    return scenario_world_read(&file->world, &out->ini, scene, out->rig.controller.position_um,
+                               &out->schedule, &out->world);
+}
+
 static void fill_sim(const struct scenario_file *file, struct scenario *out) {
     out->sim = (struct sim_config){.controller = &out->rig.controller,
                                    .schedule = &out->schedule,
@@ -399,6 +436,7 @@ static void fill_sim(const struct scenario_file *file, struct scenario *out) {
                                    .seed = (uint64_t)file->run.seed,
                                    .start_us = (uint32_t)file->run.clock_start_us,
                                    .can_loss = (double)file->run.loss_ppm * 1e-6,
+                                   .obstacles = scenario_world_obstacles(out->world),
                                    .fixed_focal_mm = out->rig.fixed_focal_mm};
     out->sim.start_deg[0] = (double)file->run.start_mdeg.item[0] * 1e-3;
     out->sim.start_deg[1] = (double)file->run.start_mdeg.item[1] * 1e-3;
@@ -427,6 +465,9 @@ static enum exit_status build(const char *path, const struct scenario_file *file
     if (status == EXIT_STATUS_OK && !read_movers(file, out)) {
         status = EXIT_STATUS_USAGE;
     }
+    if (status == EXIT_STATUS_OK) {
+        status = read_world(file, path, out);
+    }
     read_events(file, out);
     fill_sim(file, out);
     return status;
@@ -453,6 +494,7 @@ enum exit_status scenario_read(const char *path, struct scenario *out) {
 
 void scenario_free(struct scenario *scenario) {
     schedule_free(&scenario->schedule);
+    scenario_world_free(scenario->world);
     rig_free(&scenario->rig);
     ini_free(&scenario->ini);
 }

@@ -14,6 +14,7 @@ struct scenario {
     const char *name, *about;
     struct rig rig;
     struct schedule schedule;
+    struct scenario_world *world; ///< NULL: no obstacles
     struct sim_command commands[SCENARIO_EVENTS_MAX];
     size_t command_count;
     struct sim_config sim; ///< ready for sim_create; points into this struct, which must not move

@@ -1,5 +1,6 @@
 #include "scene_drawn.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,10 +9,12 @@ static bool no_memory(const char *file) {
     return false;
 }
 
-/// Room for everything the tree has shapes for; a polygon in pieces needs four corners for one.
-static bool make_room(struct scene_drawn *d, const struct tree *tree) {
-    const struct tree_header *const h = tree->header;
-    const size_t corners = (size_t)h->corner_count + 1U, elements = (size_t)h->element_count + 1U;
+/// A polygon in pieces needs four corners for one.
+bool scene_drawn_room(struct scene_drawn *d, const struct tree *tree) {
+    static const struct tree_header none = {0};
+    const struct tree_header *const h = tree != NULL ? tree->header : &none;
+    const size_t corners = (size_t)h->corner_count + 24U * (size_t)d->extra_boxes + 1U,
+                 elements = (size_t)h->element_count + d->extra_boxes + 1U;
     d->set = (struct shape_set){
         .vertices = malloc(corners * sizeof *d->set.vertices),
         .corners = malloc(4U * corners * sizeof *d->set.corners),
@@ -45,9 +48,16 @@ static bool make_room(struct scene_drawn *d, const struct tree *tree) {
            d->corner_counts != NULL && d->corner_points != NULL && d->place != NULL;
 }
 
-static struct vec3 point_of(const struct tree *tree, uint32_t index) {
+static struct vec3 point_of(const struct scene_drawn *d, const struct tree *tree, uint32_t index) {
     const struct tree_point *const p = &tree->points[index];
-    return vec3(p->x, p->y, p->z);
+    if (d->scale == 0.0) {
+        return vec3(p->x, p->y, p->z);
+    }
+    double at[3] = {p->x * d->scale, p->y * d->scale, p->z * d->scale};
+    for (int i = 0; i < 3; i++) { // what is too far away is refused as it is added to the set
+        at[i] = fmin(fmax(at[i], -1e9), 1e9);
+    }
+    return vec3((int32_t)lrint(at[0]), (int32_t)lrint(at[1]), (int32_t)lrint(at[2]));
 }
 
 /// The part that each node is, or is below of. NULL: no memory.
@@ -81,7 +91,7 @@ static enum shape_status add_solid(struct scene_drawn *d, const struct tree *tre
             const uint32_t p = tree->corners[e->first_corner + k];
             if (d->place[p] == UINT32_MAX) {
                 d->place[p] = points;
-                d->corner_points[points++] = point_of(tree, p);
+                d->corner_points[points++] = point_of(d, tree, p);
             }
             d->corner_list[corners++] = d->place[p];
         }
@@ -102,7 +112,7 @@ static enum shape_status add_solid(struct scene_drawn *d, const struct tree *tre
 static enum shape_status add_face(struct scene_drawn *d, const struct tree *tree,
                                   const struct tree_element *e) {
     for (uint32_t k = 0; k < e->corner_count; k++) {
-        d->corner_points[k] = point_of(tree, tree->corners[e->first_corner + k]);
+        d->corner_points[k] = point_of(d, tree, tree->corners[e->first_corner + k]);
     }
     return shape_add_plane(&d->set, d->corner_points, e->corner_count, false);
 }
@@ -114,7 +124,7 @@ static enum shape_status add_lines(struct scene_drawn *d, const struct tree *tre
     for (uint32_t i = 0; i < shape->element_count; i++) {
         const struct tree_element *const e = &tree->elements[shape->first_element + i];
         for (uint32_t k = 0; e->kind == TREE_LINE && k < e->corner_count; k++) {
-            d->corner_points[points] = point_of(tree, tree->corners[e->first_corner + k]);
+            d->corner_points[points] = point_of(d, tree, tree->corners[e->first_corner + k]);
             if (k != 0U && !vec3_equal(d->corner_points[points - 1U], d->corner_points[points])) {
                 d->corner_list[ends++] = points - 1U;
                 d->corner_list[ends++] = points;
@@ -173,8 +183,7 @@ enum exit_status scene_drawn_gather(struct scene_drawn *drawn, const struct tree
     struct walk walk;
     struct walk_item item;
     uint32_t *const part = find_parts(tree);
-    *drawn = (struct scene_drawn){.point_count = 0};
-    if (part == NULL || !make_room(drawn, tree)) {
+    if (part == NULL || !scene_drawn_room(drawn, tree)) {
         free(part);
         (void)no_memory(file);
         return EXIT_STATUS_FAILURE;

@@ -1,7 +1,9 @@
-/// Hidden lines: solids and planes, the planes between them, and pictures by both methods.
+/// Hidden lines: solids and planes, the planes between them, and pictures by both methods; targets
+/// that they hide.
 #include "mcu/digest/sets.h"
 
 #include "scene/hidden.h"
+#include "target/occlusion.h"
 
 #define ROOM 96U
 static struct vec3 vertices[ROOM];
@@ -99,7 +101,68 @@ static void pictures(void) {
     digest_finish(&d, "digest scene/hidden");
 }
 
+static struct shape_set boxes_of(struct digest *d) {
+    struct shape_set set = {.vertices = vertices,
+                            .corners = corners,
+                            .faces = faces,
+                            .planes = planes,
+                            .edges = edges,
+                            .objects = objects,
+                            .vertex_room = ROOM,
+                            .corner_room = 8U * ROOM,
+                            .face_room = 2U * ROOM,
+                            .edge_room = 2U * ROOM,
+                            .object_room = 8};
+    for (int k = 0; k < 6; k++) {
+        draw_box(d, &set);
+    }
+    return set;
+}
+
+static void report_all(struct digest *d, struct occlusion *occlusion, uint64_t now_us) {
+    for (uint32_t id = 0; id < 8U; id++) {
+        struct target_update update = {
+            .kind = TARGET_POSITION, .id = id, .weight_q16 = TARGET_WEIGHT_ONE_Q16};
+        update.position_um.x = (int64_t)digest_within(d, 90000000) * 10;
+        update.position_um.y = (int64_t)digest_within(d, 90000000) * 10;
+        update.position_um.z = (int64_t)digest_within(d, 90000000) * 10;
+        update.radius_um = id % 2U == 0U ? 0U : digest_below(d, 50000000);
+        digest_u64(d, occlusion_report(occlusion, &update, now_us));
+    }
+}
+
+static void hidden_targets(void) {
+    struct digest d = digest_start(67);
+    static struct occlusion occlusion;
+    for (int i = 0; i < CHECK_ROUNDS(20); i++) {
+        const struct shape_set set = boxes_of(&d);
+        const struct occlusion_config config = {.shapes = &set,
+                                                .unit_um = 10,
+                                                .policy =
+                                                    i % 2 == 0 ? OCCLUSION_CALM : OCCLUSION_DROP,
+                                                .frame_us = 40000,
+                                                .ahead_us = 400000,
+                                                .fade_us = 200000};
+        struct target_update update;
+        CHECK(occlusion_init(&occlusion, &config, workspace, sizeof workspace));
+        for (uint64_t now_us = 0; now_us < 200000U; now_us += 40000U) {
+            const struct vec3_i64 offset = {(int64_t)now_us * 100, 0, 0},
+                                  velocity = {100000000, 0, -5000000};
+            occlusion_move(&occlusion, 0, offset, velocity, now_us);
+            report_all(&d, &occlusion, now_us);
+            digest_u64(&d, occlusion_step(&occlusion, now_us));
+            while (occlusion_next(&occlusion, &update)) {
+                digest_vec3_i64(&d, update.position_um);
+                digest_u64(&d, update.radius_um);
+                digest_u64(&d, update.weight_q16);
+            }
+        }
+    }
+    digest_finish(&d, "digest target/occlusion");
+}
+
 int main(void) {
     TEST(pictures);
+    TEST(hidden_targets);
     return check_finish();
 }
