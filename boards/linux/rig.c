@@ -306,7 +306,8 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
         build_mount(&file, &out->ini, &out->controller) && build_board(&file, &out->ini, out) &&
         build_axis(&file, &out->ini, AXIS_PAN, out) &&
         build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
-        channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye);
+        channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye) &&
+        rig_frames_build(&file.camera, &out->ini, &out->camera);
     return built ? EXIT_STATUS_OK : EXIT_STATUS_USAGE;
 }
 

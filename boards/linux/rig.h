@@ -25,6 +25,7 @@ struct rig {
     bool any_board_build;  ///< the board's build may differ from ours
     double fixed_focal_mm; ///< of the camera when there is no zoom axis
     struct rig_eye eye;
+    struct rig_frames camera;
 };
 
 /// Reads and checks a rig file. tick_us: overrides the file's; 0: does not.
