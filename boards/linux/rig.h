@@ -38,6 +38,9 @@ void rig_free(struct rig *rig);
 /// Explains every value of a rig that was read, and what follows from them.
 void rig_explain(const struct rig *rig, FILE *stream);
 
+/// Can a flashed board drive its axes? False: told on stderr which not.
+bool rig_fits_board(const struct rig *rig);
+
 /// Does every device that the rig names exist in the simulator only?
 bool rig_is_fake(const struct rig *rig);
 

@@ -108,7 +108,7 @@ static void paint(void *ctx, const struct uvc_camera *camera, uint8_t *picture) 
     struct render_view view = {.at_m = {0.0, 0.0, 0.0}};
     look_along(stage->pan_deg, stage->tilt_deg, view.right, view.ahead, view.up);
     const struct render_object thing = thing_of(stage, texture, cells);
-    const struct render_backdrop backdrop = {.seed = 1, .luma = 90.0};
+    const struct render_backdrop backdrop = {.seed = 1, .luma = 90.0, .grain_deg = 20.0};
     const struct render_sensor sensor = {.blur_px = 0.5, .noise_luma = 2.0, .gain = 1.0};
     render_frame(&render, &view, &backdrop, &thing, 1, &sensor, picture, camera->width_px);
 }
