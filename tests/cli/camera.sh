@@ -29,15 +29,18 @@ rig /dev/no-such-camera
 run run "$at" --seconds 1
 ends a_missing_camera_is_status_4 4 "$at: $missing"
 rig fake "[camera]
-device = /dev/no-such-camera"
+device = /dev/no-such-camera
+detect = markers"
 run run "$at" --seconds 1
 ends also_for_its_frames 4 "$at: $missing"
 rig fake "[camera]
-device = No such camera"
+device = No such camera
+detect = markers"
 run run "$at" --seconds 1
 ends also_by_its_name 4 "$at: No such camera: no camera of that name; is it plugged in? \`boresight probe\` lists the cameras"
 rig fake "[camera]
-device = /dev/null"
+device = /dev/null
+detect = markers"
 run run "$at" --seconds 1
 ends what_is_no_camera_gives_no_frames 4 "$at: /dev/null: it gives no frames; \`boresight probe\` lists the cameras"
 
@@ -66,12 +69,16 @@ run config check "$at"
 ends pulses_are_not_forgotten 2 "$at:17: key 'focal_mm': and pulse_us need as many values as each other, 2 to 16"
 
 for wrong in "detect = faces|no detector 'faces': tags, markers or motion" \
-    "tag_family = tag1|is 'tag1', none of tag36h11, tag36h10, tag25h9, tag16h5, tagStandard41h12, tagCircle21h7"; do
+    "tag_family = tag1|must be one of tag36h11, tag36h10, tag25h9, tag16h5, tagStandard41h12, tagCircle21h7"; do
     rig fake "[camera]
 ${wrong%%|*}"
     run config check "$at"
     ends "wrong_${wrong%% *}_is_named" 2 "$at:16: key '${wrong%% *}': ${wrong#*|}"
 done
+rig fake '[camera]
+device = /dev/null'
+run config check "$at"
+ends a_camera_that_looks_for_nothing_is_of_no_use 2 "$at:16: key 'device': needs to be told what to look for: detect = tags, or markers, or motion"
 rig fake '[camera]
 pixels = rgb'
 run config check "$at"
