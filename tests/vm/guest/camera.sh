@@ -2,8 +2,9 @@
 . tests/vm/guest/check.sh
 load vivid n_devs=1 node_types=0x1
 load -a vhci-hcd uvcvideo
-"$VM_TESTS/gcc/tests/vm/linux_camera"
-verdict camera.linux_camera_ended_well $?
+"$VM_PROGRAMS/linux_camera"
+verdict camera$VM_SUFFIX.linux_camera_ended_well $?
+[ -z "$VM_SUFFIX" ] || exit
 
 # ---------------------------------------------------------------- boresight run with a camera that turns itself
 boresight=$VM_TESTS/gcc/boresight
