@@ -42,7 +42,7 @@ latency_ms = 60
 tick_us = 10000
 END
 start() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --seconds 300 "$@" >"$work/run.json" 2>"$work/run.err" &
+    "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 end() { # STATUS
