@@ -29,7 +29,10 @@ static enum exit_status run(const struct command *command, int argc, char *const
         message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
-    const enum exit_status status = rig_read(operands[1], 0, rig);
+    enum exit_status status = rig_read(operands[1], 0, rig);
+    if (status == EXIT_STATUS_OK && as_c && !rig_fits_board(rig)) {
+        status = EXIT_STATUS_USAGE;
+    }
     if (status == EXIT_STATUS_OK && as_c) {
         rig_write_c(rig, operands[1], stdout);
     } else if (status == EXIT_STATUS_OK) {

@@ -75,6 +75,7 @@ static void print_summary(const struct settings *settings, struct runner *runner
     facts_u64(&facts, "updates_rejected", runner->controller->updates_rejected);
     facts_u64(&facts, "reloads", runner->reloads);
     facts_u64(&facts, "log_dropped", runner->log.dropped);
+    camera_source_facts(&runner->camera, &facts);
     add_by_kind(&facts, runner);
     facts_end(&facts);
 }
@@ -183,6 +184,8 @@ const struct command command_run = {
         "anew with the rig file as it is then. A fault ends the run with exit status 5, a device\n"
         "that is missing or leaves with 4; with --stay the rig holds, devices that come back are\n"
         "opened again, and SIGUSR1 arms it.\n\n"
+        "With device = ... in [camera] the targets are what the detectors find in the frames of\n"
+        "that camera, besides those of the stream.\n\n"
         "With board = serial:DEVICE in [controller] a flashed board drives the rig, and this\n"
         "program sends it the targets.\n\n"
         "A rig whose devices are all fakes is simulated in real time. Real devices get real-time\n"
@@ -190,7 +193,10 @@ const struct command command_run = {
         "results:\n"
         "  late_us_*      how late the ticks came: half of them at most, 99 %, 99.9 %, the latest\n"
         "  missed_ticks   due while an earlier one was worked on\n"
-        "  pan_deg ...    where the axes are\n",
+        "  pan_deg ...    where the axes are\n"
+        "  camera_*       frames that came, that were lost on the way (by their numbers)\n"
+        "  detected_*     frames that were looked at; those that were not, because the one before\n"
+        "                 was still worked on or their pose is not known; updates of targets\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

@@ -16,4 +16,5 @@ not_built := $(if $(filter 1,$(gpiod)),,hal/linux/linux_gpiod_1.c) $(if $(filter
     boards/linux/detect/$(if $(filter 0,$(apriltag)),tags,tags_none).c boards/linux/drawing_$(if $(filter 0,$(cairo)),cairo,none).c
 
 $(shell mkdir -p $(B); printf '#define HAVE_GPIOD %s\n#define HAVE_LIBUSB %s\n#define HAVE_JPEG %s\n#define HAVE_APRILTAG %s\n' $(gpiod) $(libusb) $(jpeg) $(apriltag) >$(B)/features.h.new; \
-    cmp -s $(B)/features.h.new $(B)/features.h && rm $(B)/features.h.new || mv $(B)/features.h.new $(B)/features.h)
+    cmp -s $(B)/features.h.new $(B)/features.h && rm $(B)/features.h.new || mv $(B)/features.h.new $(B)/features.h; \
+    echo '$(feature_libs)' >$(B)/features.libs)

@@ -306,8 +306,21 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
         build_mount(&file, &out->ini, &out->controller) && build_board(&file, &out->ini, out) &&
         build_axis(&file, &out->ini, AXIS_PAN, out) &&
         build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
-        channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye);
-    return built ? EXIT_STATUS_OK : EXIT_STATUS_USAGE;
+        channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye) &&
+        rig_frames_build(&file.camera, &out->ini, &out->camera);
+    return built && (out->board_device == NULL || rig_fits_board(out)) ? EXIT_STATUS_OK
+                                                                       : EXIT_STATUS_USAGE;
+}
+
+bool rig_fits_board(const struct rig *rig) {
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (rig->is_uvc[axis]) {
+            ini_complain(&rig->ini, axis_names[axis], "", "drive",
+                         "is uvc, which only this computer can drive, not a board");
+            return false;
+        }
+    }
+    return true;
 }
 
 void rig_free(struct rig *rig) {

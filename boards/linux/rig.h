@@ -25,6 +25,7 @@ struct rig {
     bool any_board_build;  ///< the board's build may differ from ours
     double fixed_focal_mm; ///< of the camera when there is no zoom axis
     struct rig_eye eye;
+    struct rig_frames camera;
 };
 
 /// Reads and checks a rig file. tick_us: overrides the file's; 0: does not.
@@ -36,6 +37,9 @@ void rig_free(struct rig *rig);
 
 /// Explains every value of a rig that was read, and what follows from them.
 void rig_explain(const struct rig *rig, FILE *stream);
+
+/// Can a flashed board drive its axes? False: told on stderr which not.
+bool rig_fits_board(const struct rig *rig);
 
 /// Does every device that the rig names exist in the simulator only?
 bool rig_is_fake(const struct rig *rig);

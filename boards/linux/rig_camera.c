@@ -7,6 +7,9 @@
 #include <stddef.h>
 #include <string.h>
 
+/// In the order of enum hal_camera_pixels.
+static const char *const pixel_names[] = {"any", "grey", "yuyv", "mjpeg", NULL};
+
 #define CAMERA(member) .offset = offsetof(struct rig_camera, member)
 const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
     {.name = "sensor_width_mm",
@@ -160,6 +163,26 @@ const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
      .numerator = 1000,
      CAMERA(latency_us),
      .help = "how long before its time stamp the middle of a frame was exposed"},
+    {.name = "device",
+     .type = INI_TEXT,
+     .fallback = "",
+     CAMERA(device),
+     .help =
+         "/dev/videoN or the camera's name: `run` looks for targets in its frames; empty: none"},
+    {.name = "pixels",
+     .type = INI_CHOICE,
+     .fallback = "any",
+     .choices = pixel_names,
+     CAMERA(pixels),
+     .help = "what the camera sends"},
+    {.name = "rate_hz",
+     .type = INI_DECIMAL,
+     .fallback = "30",
+     .min = "0.1",
+     .max = "1000",
+     .numerator = 1000,
+     CAMERA(rate_mhz),
+     .help = "frames a second"},
     {.name = "detect",
      .type = INI_TEXT,
      .fallback = "",
@@ -221,4 +244,19 @@ bool rig_camera_build(const struct rig_camera *from, const struct ini *ini, stru
         return false;
     }
     return read_detectors(from, ini, out);
+}
+
+bool rig_frames_build(const struct rig_camera *from, const struct ini *ini,
+                      struct rig_frames *out) {
+    *out = (struct rig_frames){.device = from->device,
+                               .wish = {.pixels = (enum hal_camera_pixels)from->pixels,
+                                        .width_px = (uint32_t)from->width_px,
+                                        .height_px = (uint32_t)from->height_px,
+                                        .interval_us = (uint32_t)(1000000000 / from->rate_mhz)}};
+    if (from->device[0] != '\0' && from->detect[0] == '\0') {
+        ini_complain(ini, "camera", "", "device", "needs to be told what to look for: detect = %s",
+                     "tags, or markers, or motion");
+        return false;
+    }
+    return true;
 }

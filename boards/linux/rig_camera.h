@@ -6,6 +6,7 @@
 
 #include "detect/camera_pose.h"
 #include "detect/detector.h"
+#include "hal/camera.h"
 
 struct rig_camera;
 
@@ -19,10 +20,17 @@ struct rig_eye {
     bool detects; ///< at least one detector is wanted
 };
 
-enum { RIG_CAMERA_KEY_COUNT = 21 };
+/// Where its frames come from.
+struct rig_frames {
+    const char *device;            ///< a path or a name, as linux_camera_open takes it; empty: none
+    struct hal_camera_format wish; ///< the size is that of the model
+};
+
+enum { RIG_CAMERA_KEY_COUNT = 24 };
 extern const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT];
 
 /// False: told on stderr what is wrong with the numbers.
 bool rig_camera_build(const struct rig_camera *from, const struct ini *ini, struct rig_eye *out);
+bool rig_frames_build(const struct rig_camera *from, const struct ini *ini, struct rig_frames *out);
 
 #endif

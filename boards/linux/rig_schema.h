@@ -38,7 +38,9 @@ struct rig_camera {
     int64_t fx_upx, fy_upx, cx_upx, cy_upx; ///< millionths of a pixel; cx, cy negative: the middle
     int64_t k1_nano, k2_nano, p1_nano, p2_nano, k3_nano;
     int64_t right_udeg, up_udeg, roll_udeg, latency_us;
-    const char *detect, *tag_family;
+    const char *device, *detect, *tag_family;
+    int pixels;
+    int64_t rate_mhz;
 };
 
 struct rig_controller {

@@ -68,10 +68,16 @@ static enum exit_status build(struct runner *runner) {
     if (status != EXIT_STATUS_OK) {
         return status;
     }
-    return rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
+    const enum exit_status built =
+        rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
+    if (built != EXIT_STATUS_OK) {
+        return built;
+    }
+    return camera_source_open(&runner->camera, &runner->rig, &runner->clock.hal);
 }
 
 static void dismantle(struct runner *runner) {
+    camera_source_close(&runner->camera);
     rig_lines_close(&runner->lines);
     if (runner->devices_open) {
         rig_devices_close(&runner->devices);
@@ -83,14 +89,21 @@ static void dismantle(struct runner *runner) {
 
 // ---------------------------------------------------------------- between the ticks
 
+static bool push(struct runner *runner, const struct target_update *update) {
+    return runner->sim != NULL ? sim_push(runner->sim, update) : pump_push(runner->pump, update);
+}
+
 static void take_targets(struct runner *runner) {
     const uint64_t elapsed_us =
         (runner->loop.ticks - runner->source_since_ticks) * runner->loop.tick_us;
     struct target_update update;
-    while (
-        runner->has_source && target_source_next(&runner->source, elapsed_us, &update) &&
-        (runner->sim != NULL ? sim_push(runner->sim, &update) : pump_push(runner->pump, &update))) {
+    while (runner->has_source && target_source_next(&runner->source, elapsed_us, &update) &&
+           push(runner, &update)) {
         target_source_taken(&runner->source);
+    }
+    const struct target_update *seen;
+    while ((seen = camera_source_next(&runner->camera)) != NULL && push(runner, seen)) {
+        camera_source_taken(&runner->camera);
     }
 }
 
@@ -158,7 +171,12 @@ static enum exit_status finish_reload(struct runner *runner) {
         runner->source_since_ticks = runner->loop.ticks;
     }
     tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
-    return build(runner);
+    const enum exit_status status = build(runner);
+    if (status == EXIT_STATUS_OK && !camera_source_watch(&runner->camera, &runner->loop)) {
+        message_command(runner->settings.command, "no room in the event loop");
+        return EXIT_STATUS_FAILURE;
+    }
+    return status;
 }
 
 static void take_signals(struct runner *runner, uint32_t raised) {
@@ -226,6 +244,22 @@ static void look_for_answers(struct runner *runner, uint64_t now_us) {
                  "right, the bus terminated?",
                  runner->rig.bus[axis], drive->rmd.id);
         }
+    }
+}
+
+/// Where the camera looked, and what has become of it. With --stay the rig goes on with what other
+/// sources tell.
+static void look_after_camera(struct runner *runner) {
+    bool lost = false;
+    camera_source_tick(&runner->camera, &runner->pump->output.status);
+    const char *news = camera_source_news(&runner->camera, &lost);
+    if (news == NULL) {
+        return;
+    }
+    tell(runner, lost, "camera", "%s", news);
+    if (lost && !runner->settings.stay) {
+        runner->device_failed = true;
+        pump_command(runner->pump, COMMAND_STOP);
     }
 }
 
@@ -313,6 +347,7 @@ bool runner_tick(struct runner *runner) {
     look_at_lines(runner);
     look_after_devices(runner);
     step(runner, due);
+    look_after_camera(runner);
     set_enable(runner);
     tell_mode(runner);
     if (is_over(runner, &runner->status)) {
@@ -345,6 +380,7 @@ enum exit_status runner_start(struct runner *runner, const struct runner_setting
     runner->settings = *settings;
     runner->loop = (struct event_loop){.epoll = -1, .timer = -1, .signals = -1};
     runner->log.fd = -1;
+    linux_clock_open(&runner->clock, 0);
     event_loop_block_signals();
     const enum exit_status status = start(runner);
     if (status != EXIT_STATUS_OK) {
@@ -356,7 +392,8 @@ enum exit_status runner_start(struct runner *runner, const struct runner_setting
             tell(runner, false, "realtime", "%s", runner->realtime.advice);
         }
     }
-    if (!event_loop_open(&runner->loop, runner->rig.controller.tick_us)) {
+    if (!event_loop_open(&runner->loop, runner->rig.controller.tick_us) ||
+        !camera_source_watch(&runner->camera, &runner->loop)) {
         message_command(settings->command, "no event loop: %s", strerror(errno));
         return EXIT_STATUS_FAILURE;
     }

@@ -3,6 +3,7 @@
 #ifndef LINUX_RUNNER_H
 #define LINUX_RUNNER_H
 
+#include "camera_source.h"
 #include "command.h"
 #include "event_loop.h"
 #include "realtime.h"
@@ -38,6 +39,8 @@ struct runner {
     struct rig_devices devices;
     bool devices_open;
     struct rig_lines lines;
+    struct linux_clock clock; ///< of frames and poses
+    struct camera_source camera;
     bool stop_pressed;   ///< emergency stop, as long as it is
     const char *pressed; ///< the line that was pressed last; NULL: none
     struct controller real_controller;

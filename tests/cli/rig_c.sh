@@ -50,7 +50,7 @@ compile() { # RIG
     "$program" config c "$1" >"$dir/rig.c" &&
         gcc -std=c11 -Wall -Wextra -Werror -D_GNU_SOURCE -Ifirmware -Ihal/include -Iboards -Iboards/linux -o "$dir/same" \
             tests/cli/support/same_rig.c "$dir/rig.c" build/gcc/libprogram.a build/gcc/libsim.a build/gcc/libhal.a \
-            build/gcc/libfirmware.a -ljansson -lm
+            build/gcc/libfirmware.a -Wl,--as-needed -ljansson $(cat build/features.libs) -lm
 }
 for rig in host-sim/rigs/*.ini "$dir/odd.ini"; do
     compile "$rig" && "$dir/same" "$rig"

@@ -14,8 +14,13 @@ load() { modprobe -S "$(uname -r)" -d /media/kernel "$@" || echo "# can't load $
 
 for group in $(sed 's/.*vm.groups=\([^ ]*\).*/\1/; y/,/ /' /proc/cmdline); do
     read -r start _ </proc/uptime
+    # GROUP-san: its C programs as the sanitizers watch them.
+    case $group in
+    *-san) VM_SUFFIX=-san VM_PROGRAMS=$VM_TESTS/san/tests/vm ;;
+    *) VM_SUFFIX= VM_PROGRAMS=$VM_TESTS/gcc/tests/vm ;;
+    esac
     # shellcheck disable=SC1090
-    (. "tests/vm/guest/$group.sh")
+    (. "tests/vm/guest/${group%-san}.sh")
     read -r end _ </proc/uptime
     awk -v group="$group" -v start="$start" -v end="$end" 'BEGIN { printf "# group %s: %.1f s\n", group, end - start }'
 done

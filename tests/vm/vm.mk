@@ -1,8 +1,8 @@
 # The tests in the virtual machine. tests/README.md explains it.
 
-# Groups (tests/vm/guest/GROUP.sh), in the order in which they run.
-vm_groups := can gpio usb run rig buses camera
-vm_programs := $(vm_test_c:%.c=$(B)/gcc/%)
+# Groups (tests/vm/guest/GROUP.sh), in the order in which they run; with -san their C programs are built with sanitizers.
+vm_groups := can gpio usb run rig buses camera can-san gpio-san usb-san camera-san
+vm_programs := $(foreach v,gcc san,$(vm_test_c:%.c=$(B)/$(v)/%))
 
 # Without what it needs they are skipped, by name.
 .PHONY: need-vm check-vm check-vm-run
