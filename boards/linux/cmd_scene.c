@@ -68,6 +68,8 @@ static bool read_px(const struct command *command, const char *name, const char 
 static enum exit_status build(const struct command *command, const struct settings *settings,
                               const char *file) {
     struct scene_build_options build_options = scene_build_default;
+    unsigned long line = 0;
+    build_options.fault_line = &line;
     if (settings->output == NULL) {
         message_command(command->name, "build: -o FILE says where to write the tree");
         return EXIT_STATUS_USAGE;
@@ -91,7 +93,8 @@ static enum exit_status build(const struct command *command, const struct settin
             status = EXIT_STATUS_FAILURE;
             break;
         case SCENE_BUILD_TOO_DEEP:
-            message_at(name, 0, "the tree would have more than %d levels", TREE_LEVELS_MAX);
+            message_at(name, line, "too deep: with this object the tree has more than %d levels",
+                       (int)TREE_LEVELS_MAX);
             status = EXIT_STATUS_USAGE;
             break;
         default:

@@ -123,6 +123,16 @@ bad 'distances that do not shrink' 5 'details go from coarse to fine: the distan
 bad 'no distance' 3 'detail within needs a distance above 0' 'v 0 1 2\no a\ndetail within -2\np 1\n'
 bad 'another line' 2 "'curve' is no line of a scene" 'v 0 1 2\ncurve 1\n'
 bad 'groups too deep' 17 'groups nested deeper than 16' "$(awk 'BEGIN { for (i = 0; i < 17; i++) printf "group g\\n" }')"
+# Sixteen groups in each other, with 32 objects each; the numbers are such that it is just too much.
+awk 'function draw() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
+    BEGIN { seed = 9; for (g = 0; g < 16; g++) { print "group g"
+        for (o = 0; o < 32; o++) { x = draw(); y = draw(); z = draw(); printf "o x\nv %.6f %.6f %.6f\n", x, y, z } }
+    for (g = 0; g < 16; g++) print "end" }' >"$dir/deep.scene"
+run scene build -o "$dir/bad.coca" "$dir/deep.scene"
+said=$(cat "$dir/err")
+line=$(printf '%s\n' "$said" | sed -n 's/.*deep.scene:\([0-9]*\): too deep: with this object the tree has more than 40 levels$/\1/p')
+[ "$status" -eq 2 ] && [ -n "$line" ] && [ "$(sed -n "${line}p" "$dir/deep.scene")" = 'o x' ] && [ ! -e "$dir/bad.coca" ]
+verdict 'a tree too deep' $?
 run scene build "$dir/town.scene"
 ends 'nowhere to write' 2 'boresight scene: build: -o FILE says where to write the tree'
 run scene paint "$dir/town.coca"
