@@ -1,79 +1,58 @@
 /// `boresight scene`: build a sphere tree from a scene, tell about it, aim at what it holds, draw
 /// it.
-#include "command.h"
 #include "facts.h"
-#include "measure.h"
 #include "scene_build.h"
+#include "scene_command.h"
 #include "scene_file.h"
 #include "scene_render.h"
 
-#include "aim/orient.h"
-#include "scene/scene_aim.h"
-
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct settings {
-    struct triple viewpoint, up, aim;
-    const char *output, *focal_px, *coarse_px, *fov, *size, *targets;
-    int method; ///< of render
-    bool points, json;
-};
 
 static const char *const render_methods[] = {"clip", "levine", NULL};
 
 static const struct option options[] = {
     {"-o", "FILE", "build: where to write the tree; render: the picture, .svg or .png", option_text,
-     offsetof(struct settings, output), NULL},
+     offsetof(struct scene_settings, output), NULL},
     {"--coarse-px", "PX", "build: clusters below that radius are their centre (0.5; 0: never)",
-     option_text, offsetof(struct settings, coarse_px), NULL},
+     option_text, offsetof(struct scene_settings, coarse_px), NULL},
     {"--points", NULL, "build: only points; leave faces and lines out", option_flag,
-     offsetof(struct settings, points), NULL},
+     offsetof(struct scene_settings, points), NULL},
     {"--viewpoint", "X,Y,Z", "aim, render: where the viewer is (0,0,0)", option_triple,
-     offsetof(struct settings, viewpoint), NULL},
+     offsetof(struct scene_settings, viewpoint), NULL},
     {"--up", "X,Y,Z", "aim, render: what shall be up in the picture (0,0,1)", option_triple,
-     offsetof(struct settings, up), NULL},
+     offsetof(struct scene_settings, up), NULL},
+    {"--changes", "FILE",
+     "aim: objects that have moved, gone or come: away, back, move, copy, point", option_text,
+     offsetof(struct scene_settings, changes), NULL},
     {"--focal-px", "PX", "aim: at the resolution of a camera with that focal length", option_text,
-     offsetof(struct settings, focal_px), NULL},
+     offsetof(struct scene_settings, focal_px), NULL},
     {"--aim", "X,Y,Z", "render: the place to look at (the targets in sight)", option_triple,
-     offsetof(struct settings, aim), NULL},
+     offsetof(struct scene_settings, aim), NULL},
     {"--fov", "DEG", "render: the angle of the picture's width (60)", option_text,
-     offsetof(struct settings, fov), NULL},
+     offsetof(struct scene_settings, fov), NULL},
     {"--size", "WxH", "render: of the picture in pixels (1280x720)", option_text,
-     offsetof(struct settings, size), NULL},
+     offsetof(struct scene_settings, size), NULL},
     {"--targets", "FILE", "render: places to aim at, besides the scene's points", option_text,
-     offsetof(struct settings, targets), NULL},
+     offsetof(struct scene_settings, targets), NULL},
     {"--method", "clip|levine", "render: how hidden lines are found (clip)", option_choice,
-     offsetof(struct settings, method), render_methods},
-    OPTION_JSON(struct settings),
+     offsetof(struct scene_settings, method), render_methods},
+    OPTION_JSON(struct scene_settings),
 };
 
-/// A number of pixels as 1/256: 0 to 65,536 (below 2^24). False: told why not.
-static bool read_px(const struct command *command, const char *name, const char *text,
-                    uint32_t *px_q8) {
-    struct decimal value;
-    int64_t scaled = -1;
-    if (decimal_read(text, strlen(text), &value) != DECIMAL_OK ||
-        !decimal_scale(&value, 256, 1, &scaled) || scaled < 0 || scaled > 1 << 24) {
-        message_command(command->name, "%s %s: needs a number of pixels from 0 to 65536", name,
-                        message_quoted(text, strlen(text)).text);
-        return false;
-    }
-    *px_q8 = (uint32_t)scaled;
-    return true;
-}
-
-static enum exit_status build(const struct command *command, const struct settings *settings,
+static enum exit_status build(const struct command *command, const struct scene_settings *settings,
                               const char *file) {
     struct scene_build_options build_options = scene_build_default;
+    unsigned long line = 0;
+    build_options.fault_line = &line;
     if (settings->output == NULL) {
         message_command(command->name, "build: -o FILE says where to write the tree");
         return EXIT_STATUS_USAGE;
     }
     if (settings->coarse_px != NULL &&
-        !read_px(command, "--coarse-px", settings->coarse_px, &build_options.coarse_px_q8)) {
+        !scene_command_px(command, "--coarse-px", settings->coarse_px,
+                          &build_options.coarse_px_q8)) {
         return EXIT_STATUS_USAGE;
     }
     struct scene_text scene;
@@ -91,7 +70,8 @@ static enum exit_status build(const struct command *command, const struct settin
             status = EXIT_STATUS_FAILURE;
             break;
         case SCENE_BUILD_TOO_DEEP:
-            message_at(name, 0, "the tree would have more than %d levels", TREE_LEVELS_MAX);
+            message_at(name, line, "too deep: with this object the tree has more than %d levels",
+                       (int)TREE_LEVELS_MAX);
             status = EXIT_STATUS_USAGE;
             break;
         default:
@@ -103,12 +83,6 @@ static enum exit_status build(const struct command *command, const struct settin
     free(block);
     scene_text_free(&scene);
     return status;
-}
-
-static double unit_of(const struct tree *tree) {
-    double unit;
-    memcpy(&unit, tree->header->unit_double, sizeof unit);
-    return unit;
 }
 
 static void print_shapes(struct facts *facts, const struct tree *tree) {
@@ -129,7 +103,7 @@ static void print_shapes(struct facts *facts, const struct tree *tree) {
     facts_u64(facts, "lines", elements[TREE_LINE]);
 }
 
-static enum exit_status info(const struct settings *settings, const struct tree *tree) {
+static enum exit_status info(const struct scene_settings *settings, const struct tree *tree) {
     const struct tree_header *const h = tree->header;
     struct facts facts;
     facts_begin(&facts, stdout, settings->json);
@@ -139,154 +113,16 @@ static enum exit_status info(const struct settings *settings, const struct tree 
     facts_u64(&facts, "points", h->point_count);
     facts_u64(&facts, "levels", h->level_count);
     print_shapes(&facts, tree);
-    facts_significant(&facts, "unit", unit_of(tree), 17);
+    facts_significant(&facts, "unit", scene_command_unit(tree), 17);
     if (h->node_count != 0U) {
         const struct tree_node *const root = &tree->nodes[0];
-        facts_significant(&facts, "center_x", root->x * unit_of(tree), 12);
-        facts_significant(&facts, "center_y", root->y * unit_of(tree), 12);
-        facts_significant(&facts, "center_z", root->z * unit_of(tree), 12);
-        facts_significant(&facts, "radius", root->radius * unit_of(tree), 12);
+        facts_significant(&facts, "center_x", root->x * scene_command_unit(tree), 12);
+        facts_significant(&facts, "center_y", root->y * scene_command_unit(tree), 12);
+        facts_significant(&facts, "center_z", root->z * scene_command_unit(tree), 12);
+        facts_significant(&facts, "radius", root->radius * scene_command_unit(tree), 12);
     }
     facts_end(&facts);
     return EXIT_STATUS_OK;
-}
-
-/// The viewpoint in whole units of the tree, rounded. False: too far from the scene.
-static bool place_viewpoint(const struct triple *viewpoint, const struct tree *tree,
-                            struct vec3 *eye) {
-    int32_t out[3] = {0, 0, 0};
-    for (int axis = 0; axis < 3 && viewpoint->given; axis++) {
-        const long double value =
-            decimal_value(&viewpoint->component[axis]) / (long double)unit_of(tree);
-        if (!(fabsl(value) <= (long double)TREE_COORDINATE_MAX)) {
-            return false;
-        }
-        out[axis] = (int32_t)lroundl(value);
-    }
-    *eye = vec3(out[0], out[1], out[2]);
-    return true;
-}
-
-/// Points of the finest descriptions.
-static uint64_t count_points(const struct tree *tree) {
-    uint64_t count = 0;
-    const uint32_t nodes = tree->header->node_count;
-    unsigned char *const coarse = calloc(nodes + 1U, 1);
-    for (uint32_t i = 0; i < nodes && coarse != NULL; i++) {
-        const struct tree_node *const node = &tree->nodes[i];
-        for (uint32_t k = 0; k < node->description_count; k++) {
-            const struct tree_description *const d =
-                &tree->descriptions[node->first_description + k];
-            const bool finest = !coarse[i] && k + 1U == node->description_count;
-            for (uint32_t child = d->first;
-                 tree_kind(d) == TREE_NODES && !finest && child < d->first + d->count; child++) {
-                coarse[child] = 1;
-            }
-            count += finest && tree_kind(d) == TREE_POINTS ? d->count : 0U;
-        }
-    }
-    free(coarse);
-    return count;
-}
-
-static void print_half_angle(struct facts *facts, const struct cone_result *cone) {
-    const char *const why = "the half-angle is not below 90 degrees";
-    const uint64_t pdeg = measure_pdeg(cone->half_angle_turn64);
-    facts_trillionths(facts, "half_angle_deg", pdeg);
-    facts_u64(facts, "half_angle_bam32", cone->half_angle_bam32.bam);
-    if (pdeg < 90U * MEASURE_DEGREE) {
-        facts_significant(facts, "image_radius", measure_tangent(pdeg), 12);
-        facts_significant(facts, "max_distortion", measure_secant(pdeg), 12);
-    } else {
-        facts_null(facts, "image_radius", why);
-        facts_null(facts, "max_distortion", why);
-    }
-}
-
-/// The indices in the scene's file; a centre that stands for a cluster has none, and is left out.
-static void print_references(struct facts *facts, const char *name, const struct tree *tree,
-                             const struct scene_aim_result *result, uint8_t count) {
-    uint32_t source[4], known = 0;
-    for (uint8_t i = 0; i < count; i++) {
-        if ((result->reference[i] & SCENE_AIM_CENTER) == 0U) {
-            const uint32_t index = tree->points[result->reference[i]].source;
-            uint32_t at = known++;
-            for (; at != 0U && source[at - 1U] > index; at--) {
-                source[at] = source[at - 1U];
-            }
-            source[at] = index;
-        }
-    }
-    facts_indices(facts, name, source, known, NULL, NULL);
-}
-
-static void print_aim(const struct settings *settings, const struct tree *tree, struct vec3 up,
-                      bool feasible, const struct scene_aim_result *result) {
-    struct facts facts;
-    facts_begin(&facts, stdout, settings->json);
-    facts_bool(&facts, "feasible", feasible);
-    facts_u64(&facts, "count", count_points(tree));
-    if (feasible) {
-        const struct vec3 ahead = result->cone.axis_q30;
-        const struct orient_axes axes = orient_axes(ahead, up);
-        facts_text(&facts, "method", "tree");
-        facts_vec3(&facts, "ahead_q30", ahead);
-        facts_vec3(&facts, "right_q30", axes.right_q30);
-        facts_vec3(&facts, "up_q30", axes.up_q30);
-        facts_fixed(&facts, "pan_deg", measure_pan_deg(ahead), 12);
-        facts_fixed(&facts, "tilt_deg", measure_tilt_deg(ahead), 12);
-        print_half_angle(&facts, &result->cone);
-        print_references(&facts, "support", tree, result, result->cone.support_count);
-        facts_significant(&facts, "loss_px", result->loss_px_q8 / 256.0, 9);
-        facts_u64(&facts, "nodes_opened", result->nodes_opened);
-        facts_u64(&facts, "point_reads", result->point_reads);
-    } else if (tree->header->node_count != 0U) {
-        print_references(&facts, "witness", tree, result, result->cone.witness_count);
-    }
-    facts_end(&facts);
-}
-
-static enum exit_status aim(const struct command *command, const struct settings *settings,
-                            const struct tree *tree, const char *file) {
-    static const struct decimal origin[3];
-    struct direction up = {.coarse = {0, 0, 1}};
-    struct scene_aim_options aim_options = {.focal_px_q8 = 0};
-    if (settings->up.given && !direction_from_decimals(settings->up.component, origin, &up)) {
-        message_command(command->name, "--up: the zero vector has no direction");
-        return EXIT_STATUS_USAGE;
-    }
-    if (settings->focal_px != NULL &&
-        !read_px(command, "--focal-px", settings->focal_px, &aim_options.focal_px_q8)) {
-        return EXIT_STATUS_USAGE;
-    }
-    if (!place_viewpoint(&settings->viewpoint, tree, &aim_options.eye)) {
-        message_command(command->name, "--viewpoint is more than %g from the origin of this scene",
-                        TREE_COORDINATE_MAX * unit_of(tree));
-        return EXIT_STATUS_USAGE;
-    }
-    struct scene_aim_memory *const memory = malloc(sizeof *memory);
-    if (memory == NULL) {
-        message_command(command->name, "no memory");
-        return EXIT_STATUS_FAILURE;
-    }
-    struct scene_aim_result result;
-    const enum scene_aim_status status = scene_aim(tree, &aim_options, memory, &result);
-    free(memory);
-    switch (status) {
-    case SCENE_AIM_OK:
-        print_aim(settings, tree, up.coarse, true, &result);
-        return EXIT_STATUS_OK;
-    case SCENE_AIM_INFEASIBLE:
-    case SCENE_AIM_EMPTY:
-        print_aim(settings, tree, up.coarse, false, &result);
-        return EXIT_STATUS_INFEASIBLE;
-    case SCENE_AIM_AT_VIEWPOINT:
-        message_at(file, 0, "a point is at the viewpoint: it has no direction");
-        return EXIT_STATUS_USAGE;
-    default:
-        message_command(command->name, "internal failure %d", (int)status);
-        return EXIT_STATUS_FAILURE;
-    }
 }
 
 // ---------------------------------------------------------------- render
@@ -310,7 +146,7 @@ static bool read_size(const char *text, uint32_t *width, uint32_t *height) {
     return true;
 }
 
-static bool read_render(const struct command *command, const struct settings *settings,
+static bool read_render(const struct command *command, const struct scene_settings *settings,
                         struct scene_render_options *out) {
     *out = (struct scene_render_options){.up = {0, 0, 1},
                                          .aim_given = settings->aim.given,
@@ -344,7 +180,7 @@ static bool read_render(const struct command *command, const struct settings *se
     return true;
 }
 
-static void print_render(const struct settings *settings,
+static void print_render(const struct scene_settings *settings,
                          const struct scene_render_result *result) {
     struct facts facts;
     facts_begin(&facts, stdout, settings->json);
@@ -391,7 +227,7 @@ static enum exit_status open_any(const char *path, struct scene_file *out, void 
     return status;
 }
 
-static enum exit_status render(const struct command *command, const struct settings *settings,
+static enum exit_status render(const struct command *command, const struct scene_settings *settings,
                                const char *path) {
     struct scene_render_options render_options;
     struct scene_render_result result;
@@ -418,7 +254,7 @@ static enum exit_status render(const struct command *command, const struct setti
 }
 
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
-    struct settings settings = {0};
+    struct scene_settings settings = {0};
     const char *operand[2] = {NULL, NULL};
     size_t operands;
     if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
@@ -443,8 +279,9 @@ static enum exit_status run(const struct command *command, int argc, char *const
     struct scene_file file;
     enum exit_status status = scene_file_open(operand[1], &file);
     if (status == EXIT_STATUS_OK) {
-        status = strcmp(verb, "info") == 0 ? info(&settings, &file.tree)
-                                           : aim(command, &settings, &file.tree, operand[1]);
+        status = strcmp(verb, "info") == 0
+                     ? info(&settings, &file.tree)
+                     : scene_command_aim(command, &settings, &file.tree, operand[1]);
     }
     scene_file_close(&file);
     return status;
@@ -471,6 +308,11 @@ const struct command command_scene = {
         "aim`\n"
         "does, and reads only points that can matter. With --focal-px clusters that a camera with\n"
         "that focal length would not resolve are taken as their centre.\n\n"
+        "--changes reads changes, one a line, in the scene's unit:\n"
+        "  away NAME, back NAME  the object is not in its place; it is again\n"
+        "  move X Y Z NAME       it is so far from there\n"
+        "  copy X Y Z NAME       one more of it, so far from there\n"
+        "  point X Y Z           one more point\n\n"
         "render draws a scene (text or tree) without its hidden lines, as SVG or PNG: solids, "
         "faces\n"
         "and lines; points are targets, full where they are in sight; with the narrowest cone of\n"

@@ -11,6 +11,7 @@ struct output {
     uint32_t *queue; ///< nodes in the order of the block
     struct tree_node *nodes;
     uint32_t *parent; ///< of each node: the part above it; TREE_NONE: none
+    uint32_t *object; ///< of each node: the object that it is a part of, index + 1
     struct tree_description *descriptions;
     struct tree_point *points;
     uint32_t *placed; ///< where each of the build's points stands among these
@@ -49,7 +50,9 @@ static void add_description(struct output *o, uint32_t threshold, uint32_t kind,
         (struct tree_description){threshold, kind, first, count};
 }
 
-static void put_child(struct output *o, uint32_t child, uint32_t part) {
+/// object: that it is a part of, index + 1; 0: of none.
+static void put_child(struct output *o, uint32_t child, uint32_t part, uint32_t object) {
+    o->object[o->header.node_count] = object;
     o->parent[o->header.node_count] = part;
     o->queue[o->header.node_count++] = child;
 }
@@ -61,7 +64,8 @@ static uint32_t in_units(const struct build *b, double distance) {
 }
 
 /// The user's own descriptions, a child each.
-static void put_details(const struct build *b, struct output *o, const struct build_node *node) {
+static void put_details(const struct build *b, struct output *o, const struct build_node *node,
+                        uint32_t object) {
     for (uint32_t k = 0; k < node->child_count; k++) {
         const struct scene_detail *const d = &b->scene->details[node->thresholds - 1U + k];
         const bool far = d->distance > 0;
@@ -69,15 +73,18 @@ static void put_details(const struct build *b, struct output *o, const struct bu
                        other = far ? in_units(b, d->distance) : d->radius_px_q8;
         add_description(o, k == 0U ? first : other, TREE_NODES | (far ? TREE_BY_DISTANCE : 0U),
                         o->header.node_count, 1);
-        put_child(o, b->kids[node->child + k], TREE_NONE);
+        put_child(o, b->kids[node->child + k], TREE_NONE, object);
     }
 }
 
 /// A node's descriptions; its children enter the queue, its points the list.
 static void put_descriptions(const struct build *b, struct output *o, const struct build_node *node,
-                             uint32_t part) {
+                             uint32_t at) {
+    const uint32_t part = o->nodes[at].part;
+    const bool own = node->object != 0U && node->object != BUILD_CLUSTER;
+    const uint32_t object = own ? node->object : o->object[at];
     if (node->thresholds != 0U) {
-        put_details(b, o, node);
+        put_details(b, o, node, object);
         return;
     }
     uint32_t fine = 0;
@@ -88,8 +95,8 @@ static void put_descriptions(const struct build *b, struct output *o, const stru
     if (node->child_count != 0U) {
         add_description(o, fine, TREE_NODES, o->header.node_count, node->child_count);
         for (uint32_t k = 0; k < node->child_count; k++) {
-            put_child(o, b->kids[node->child + k],
-                      node->object == BUILD_CLUSTER ? part : TREE_NONE);
+            put_child(o, b->kids[node->child + k], node->object == BUILD_CLUSTER ? part : TREE_NONE,
+                      object);
         }
         return;
     }
@@ -160,23 +167,45 @@ static bool put_shape(const struct build *b, struct output *o, uint32_t at,
     return true;
 }
 
+/// The line of a node's object, or of the first object below.
+static unsigned long line_of(const struct build *b, const struct output *o, uint32_t at) {
+    uint32_t node = o->queue[at];
+    while (b->nodes[node].object == BUILD_CLUSTER) {
+        node = b->kids[b->nodes[node].child];
+    }
+    const uint32_t own = b->nodes[node].object, object = own != 0U ? own : o->object[at];
+    return object != 0U ? b->scene->objects[object - 1U].line : 0UL;
+}
+
+/// A node of its own level begins. False: there are as many levels as there may be.
+static bool begin_level(const struct build *b, struct output *o, uint32_t at) {
+    o->header.level_count++;
+    if (o->header.level_count > TREE_LEVELS_MAX && b->options->fault_line != NULL) {
+        *b->options->fault_line = line_of(b, o, at);
+    }
+    return o->header.level_count <= TREE_LEVELS_MAX;
+}
+
 static bool write_nodes(const struct build *b, uint32_t root, struct output *o) {
     const uint32_t most = b->nodes[root].count;
     struct vec3 *const points = malloc(most * sizeof *points);
     void *const workspace = malloc(SOLID_SPHERE_WORKSPACE_BYTES(most));
     bool good = points != NULL && workspace != NULL;
-    put_child(o, root, TREE_NONE);
+    put_child(o, root, TREE_NONE, 0);
     uint32_t level_end = 0;
     for (uint32_t i = 0; i < o->header.node_count && good; i++) {
         if (i == level_end) {
             level_end = o->header.node_count;
-            o->header.level_count++;
+            if (!begin_level(b, o, i)) {
+                o->header.node_count = 0; // told by the number of levels
+                break;
+            }
         }
         const struct build_node *const node = &b->nodes[o->queue[i]];
         const uint32_t first = o->header.description_count;
         good = set_sphere(b, node, points, workspace, &o->nodes[i]);
         o->nodes[i].part = put_part(b, o, i, node);
-        put_descriptions(b, o, node, o->nodes[i].part);
+        put_descriptions(b, o, node, i);
         o->nodes[i].first_description = first;
         o->nodes[i].description_count = o->header.description_count - first;
     }
@@ -240,6 +269,7 @@ static bool make_room(const struct build *b, struct output *o) {
     const size_t nodes = b->node_count;
     o->queue = malloc(nodes * sizeof *o->queue);
     o->parent = malloc(nodes * sizeof *o->parent);
+    o->object = malloc(nodes * sizeof *o->object);
     o->nodes = malloc(nodes * sizeof *o->nodes);
     o->descriptions = malloc((2U * nodes + s->detail_count) * sizeof *o->descriptions);
     o->points = malloc((b->order_count + 1U) * sizeof *o->points);
@@ -249,14 +279,15 @@ static bool make_room(const struct build *b, struct output *o) {
     o->elements = malloc((s->element_count + 1U) * sizeof *o->elements);
     o->corners = malloc((s->corner_count + 1U) * sizeof *o->corners);
     o->names = malloc((size_t)s->name_bytes + s->object_count + 1U);
-    return o->queue != NULL && o->parent != NULL && o->nodes != NULL && o->descriptions != NULL &&
-           o->points != NULL && o->placed != NULL && o->parts != NULL && o->shapes != NULL &&
-           o->elements != NULL && o->corners != NULL && o->names != NULL;
+    return o->queue != NULL && o->parent != NULL && o->object != NULL && o->nodes != NULL &&
+           o->descriptions != NULL && o->points != NULL && o->placed != NULL && o->parts != NULL &&
+           o->shapes != NULL && o->elements != NULL && o->corners != NULL && o->names != NULL;
 }
 
 static void free_room(struct output *o) {
     free(o->queue);
     free(o->parent);
+    free(o->object);
     free(o->nodes);
     free(o->descriptions);
     free(o->points);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct scene_build_options scene_build_default = {4, 128, false};
+const struct scene_build_options scene_build_default = {4, 128, false, NULL};
 
 enum { CHILDREN_MOST = 4 };
 

@@ -18,12 +18,13 @@
 #include "scene/tree.h"
 
 struct scene_build_options {
-    uint32_t points_a_leaf; ///< 1 to 64
-    uint32_t coarse_px_q8;  ///< 0: no coarser descriptions
-    bool flat;              ///< without clustering below the user's: for comparison
+    uint32_t points_a_leaf;    ///< 1 to 64
+    uint32_t coarse_px_q8;     ///< 0: no coarser descriptions
+    bool flat;                 ///< without clustering below the user's: for comparison
+    unsigned long *fault_line; ///< where a tree that is too deep is: the line of an object; or NULL
 };
 
-/// The default options: 4 points a leaf, half a pixel.
+/// The default options: 4 points a leaf, half a pixel; fault_line NULL.
 extern const struct scene_build_options scene_build_default;
 
 /// Why a scene has no tree.

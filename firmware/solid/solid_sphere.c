@@ -121,8 +121,10 @@ static unsigned bits_in(unsigned mask) {
     return bits;
 }
 
-/// A point outside enters: the smallest sphere of the support and it becomes the sphere.
-static void enter(struct pivot *s, uint32_t index) {
+/// A point outside enters: the smallest sphere of the support and it becomes the sphere, which is
+/// so larger than before. False: none of the subsets is it, which exact arithmetic rules out; the
+/// loops end all the same.
+static bool enter(struct pivot *s, uint32_t index) {
     uint32_t candidate[5];
     const unsigned count = s->count + 1U;
     for (unsigned i = 0; i < s->count; i++) {
@@ -133,13 +135,16 @@ static void enter(struct pivot *s, uint32_t index) {
     for (unsigned size = 2; size <= 4U; size++) {
         for (unsigned mask = 1; mask < last; mask++) {
             if (bits_in(mask) + 1U == size && try_subset(s, candidate, count, mask | last)) {
-                return;
+                s->result->pivots++;
+                return true;
             }
         }
     }
+    return false;
 }
 
-/// Pivots until no point of the list is outside.
+/// Pivots until no point of the list is outside. It ends: each pivot enlarges the sphere, and a
+/// support has only one smallest sphere, so none of the subsets of at most four points comes twice.
 static void solve_list(struct pivot *s, const uint32_t *list, uint32_t count) {
     for (;;) {
         int64_t farthest = -1;
@@ -153,10 +158,9 @@ static void solve_list(struct pivot *s, const uint32_t *list, uint32_t count) {
             }
         }
         s->result->point_tests += count;
-        if (farthest < 0) {
+        if (farthest < 0 || !enter(s, entering)) {
             return;
         }
-        enter(s, entering);
     }
 }
 
@@ -222,7 +226,10 @@ enum solid_sphere_status solid_sphere_find(const struct vec3 *points, uint32_t c
     }
     solve_list(&s, list, listed);
     listed = 0;
-    while (list_outside(&s, count, list, &listed, room) != 0U) {
+    // At least one of those outside enters each time, and enlarges the sphere: this ends, too.
+    for (uint64_t before = UINT64_MAX;
+         before != result->pivots && list_outside(&s, count, list, &listed, room) != 0U;) {
+        before = result->pivots;
         solve_list(&s, list, listed);
         listed = listed == room ? 0U : listed;
     }

@@ -32,6 +32,7 @@ struct solid_sphere {
     uint64_t spheres_created; ///< through two to four points
     uint64_t spheres_tested; ///< of these, with their centre among their points: tested with points
     uint64_t point_tests;    ///< of a point against a sphere
+    uint64_t pivots;         ///< solid_sphere_find: how often a point entered the support
 };
 
 /// Bytes of workspace for count points, aligned to 4. At least 5 sqrt(count) indices.
@@ -43,8 +44,9 @@ struct solid_sphere {
 /// Cost:     expected O(count): a random sample of r leaves 4 count / r points outside, and each
 ///           pass over all points but the last adds one of the support to those that are kept
 ///           (Clarkson 1995); measured 1.1 to 4 tests a point (tests/property/solid_sphere.c). Work
-///           on the few kept is by pivots that each enlarge the sphere. No allocation, no
-///           recursion.
+///           on the few kept is by pivots. Each enlarges the sphere, so no support of at most four
+///           points comes twice: it ends after m^4 / 24 pivots of m points at the latest; measured
+///           at most 42 pivots on any set (same test). No allocation, no recursion.
 /// Accuracy: support exact (tests/property/solid_sphere.c: brute force in rationals, and the
 ///           optimality conditions on large sets).
 enum solid_sphere_status solid_sphere_find(const struct vec3 *points, uint32_t count,

@@ -44,6 +44,43 @@ ends 'from the place of a point' 2 "$dir/town.coca: a point is at the viewpoint:
 run scene aim --viewpoint 1e9,0,0 "$dir/town.coca"
 ends 'from too far away' 2 'boresight scene: --viewpoint is more than 128 from the origin of this scene'
 
+# Objects that have moved, gone and come: as over the points where they are now.
+cat >"$dir/changes" <<END
+move 1 1 1 house   # and then
+move 5 0 1 house
+away cloud
+copy -1 2 3 tower
+point 9 9 9
+away tower
+back tower
+END
+printf '5 10 1\n6 10 1\n5 11 3\n0 10 0\n4 12 1\n-1 12 3\n3 14 4\n9 9 9\n' >"$dir/moved.txt"
+for eye in 0,0,0 -3,1.25,7 20,5,-1; do
+    run aim --json --viewpoint $eye "$dir/moved.txt"
+    facts
+    grep -E '^(count|feasible|ahead_q30|right_q30|up_q30|pan_deg|tilt_deg|half_angle)' "$dir/facts" >"$dir/wanted"
+    run scene aim --json --viewpoint $eye --changes "$dir/changes" "$dir/town.coca"
+    facts
+    grep -E '^(count|feasible|ahead_q30|right_q30|up_q30|pan_deg|tilt_deg|half_angle)' "$dir/facts" | cmp -s - "$dir/wanted"
+    verdict "with changes, from $eye: as over all points" $?
+done
+printf 'away house\naway tower\naway cloud\n' >"$dir/changes"
+run scene aim --json --changes "$dir/changes" "$dir/town.coca"
+printf '{"feasible": false, "count": 0}\n' | cmp -s - "$dir/out" && [ "$status" -eq 3 ]
+verdict 'everything gone' $?
+changed() { # NAME LINE WHAT TEXT
+    printf "$4" >"$dir/changes"
+    run scene aim --changes "$dir/changes" "$dir/town.coca"
+    ends "$1" 2 "$dir/changes:$2: $3"
+}
+changed 'no such object' 2 "the scene has no object 'barn'" 'away house\naway barn\n'
+changed 'a cluster is no object' 1 "the scene has no object 'town'" 'away town\n'
+changed 'no such change' 1 "'turn' is no change: away, back, move, copy or point" 'turn house\n'
+changed 'two numbers' 1 'needs three numbers' 'move 1 2 house\n'
+changed 'a move too far' 2 "'900' is beyond what this scene has room for" '\nmove 900 0 0 house\n'
+changed 'a move a bit too far' 1 'would be beyond what this scene has room for' 'move 127.9 0 0 house\n'
+changed 'four coordinates' 1 'a point has three coordinates' 'point 1 2 3 4\n'
+
 # By distance: four corners from far away, all eight from within 10.
 printf 'v 0 20 0\nv 1 20 0\nv 1 21 0\nv 0 21 3\no a\ndetail within 100\np 1 2\ndetail within 10\np 1 2 3 4\n' >"$dir/near.scene"
 run scene build --coarse-px 0 -o "$dir/near.coca" "$dir/near.scene"
@@ -123,6 +160,16 @@ bad 'distances that do not shrink' 5 'details go from coarse to fine: the distan
 bad 'no distance' 3 'detail within needs a distance above 0' 'v 0 1 2\no a\ndetail within -2\np 1\n'
 bad 'another line' 2 "'curve' is no line of a scene" 'v 0 1 2\ncurve 1\n'
 bad 'groups too deep' 17 'groups nested deeper than 16' "$(awk 'BEGIN { for (i = 0; i < 17; i++) printf "group g\\n" }')"
+# Sixteen groups in each other, with 32 objects each; the numbers are such that it is just too much.
+awk 'function draw() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
+    BEGIN { seed = 9; for (g = 0; g < 16; g++) { print "group g"
+        for (o = 0; o < 32; o++) { x = draw(); y = draw(); z = draw(); printf "o x\nv %.6f %.6f %.6f\n", x, y, z } }
+    for (g = 0; g < 16; g++) print "end" }' >"$dir/deep.scene"
+run scene build -o "$dir/bad.coca" "$dir/deep.scene"
+said=$(cat "$dir/err")
+line=$(printf '%s\n' "$said" | sed -n 's/.*deep.scene:\([0-9]*\): too deep: with this object the tree has more than 40 levels$/\1/p')
+[ "$status" -eq 2 ] && [ -n "$line" ] && [ "$(sed -n "${line}p" "$dir/deep.scene")" = 'o x' ] && [ ! -e "$dir/bad.coca" ]
+verdict 'a tree too deep' $?
 run scene build "$dir/town.scene"
 ends 'nowhere to write' 2 'boresight scene: build: -o FILE says where to write the tree'
 run scene paint "$dir/town.coca"

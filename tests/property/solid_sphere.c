@@ -4,6 +4,7 @@
 #include "check.h"
 #include "property/support/solid_check.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -49,6 +50,31 @@ static void small_sets(void) {
            supports[4]);
 }
 
+static uint64_t most_pivots;
+
+/// How many pivots it takes, on sets that ask for many: on a curve that winds outward, where each
+/// point is a bit farther out than all before, and on spheres' surfaces.
+static void few_pivots(void) {
+    static struct vec3 points[2000];
+    for (unsigned i = 0; i < 600U && check_clean(); i++) {
+        const uint32_t count = 5U + solid_below(&seed, 1995U);
+        const double turn = 1e-3 * (1 + solid_below(&seed, 3000)), pitch = solid_below(&seed, 1000);
+        if (i % 3U == 0U) {
+            solid_draw(SOLID_SHELL, &seed, points, count);
+        }
+        for (uint32_t k = 0; k < count && i % 3U != 0U; k++) {
+            const double far = i % 3U == 1U ? 1e6 + 100.0 * k : 1e8 * (1.0 - exp(-1e-3 * k));
+            points[k] = vec3((int32_t)(far * cos(k * turn)), (int32_t)(far * sin(k * turn)),
+                             (int32_t)(pitch * k));
+        }
+        struct solid_sphere sphere;
+        CHECK(solve(points, count, 0, &sphere) == NULL);
+        most_pivots = sphere.pivots > most_pivots ? sphere.pivots : most_pivots;
+    }
+    printf("# at most %llu pivots\n", (unsigned long long)most_pivots);
+    CHECK(most_pivots <= 60U);
+}
+
 static double seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -77,6 +103,7 @@ static void large_sets(void) {
             printf("  %s: %s\n", solid_class_names[class], wrong);
         }
         const double tests = (double)sphere.point_tests / count;
+        most_pivots = sphere.pivots > most_pivots ? sphere.pivots : most_pivots;
         printf("# %-11s %6u points: %5.2f tests and %6.1f ns a point\n", solid_class_names[class],
                count, tests, taken / count * 1e9);
         CHECK(count < 10000U || tests < 6.0);
@@ -139,6 +166,7 @@ int main(void) {
         malloc(SOLID_SPHERE_TRIAL_WORKSPACE_BYTES(1000U) + SOLID_SPHERE_WORKSPACE_BYTES(100000U));
     TEST(small_sets);
     TEST(large_sets);
+    TEST(few_pivots);
     TEST(order_and_limit);
     TEST(too_little_room);
     free(workspace);
