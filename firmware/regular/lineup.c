@@ -1,6 +1,7 @@
 #include "regular/lineup.h"
 
 #include "fixed/sort.h"
+#include "regular/primitive.h"
 #include "regular/rotation.h"
 
 /// More than are ever needed; a bound, so that the search ends.
@@ -53,10 +54,12 @@ static bool is_general(const struct search *s) {
 static bool turn_all(struct search *s, const struct rotation *rotation) {
     s->rotation = *rotation;
     for (uint32_t i = 0; i < s->count; i++) {
-        if (!rotation_fits(rotation, s->given[i])) {
+        // As short as it can be, so that there is room for more rotations.
+        const struct vec3 a = primitive_vec3(s->given[i]);
+        if (!rotation_fits(rotation, a)) {
             return false;
         }
-        s->turned[i] = rotation_apply(rotation, s->given[i]);
+        s->turned[i] = rotation_apply(rotation, a);
     }
     return true;
 }

@@ -21,7 +21,7 @@ enum lineup_status {
     LINEUP_ERROR_ZERO_VECTOR = -1, ///< result->first[0] has no direction
     LINEUP_ERROR_WORKSPACE = -2,
     /// No turn of the sequence that keeps the directions within int32 gives general position. Not
-    /// seen below 2^24.
+    /// seen below 2^24 (tests/property/lineup.c: lattices, near and far).
     LINEUP_ERROR_POSITION = -3
 };
 
@@ -36,7 +36,9 @@ struct lineup_result {
     uint64_t pairs;    ///< in the same or in opposite directions
     uint32_t first[3]; ///< the first triple, ascending, if there is one
     /// Of the plane of the first triple: the cross product of the first two of its directions that
-    /// are not parallel. The viewpoint leaves the plane along it. Zero if there are no such two.
+    /// are not parallel, each divided by its common divisor and turned so that its first component
+    /// that is not 0 is above 0. The viewpoint leaves the plane along it. Zero if there are no such
+    /// two.
     struct vec3_i64 normal;
     uint32_t turns; ///< turns that were tried; 0: it was in general position as it stood
 };

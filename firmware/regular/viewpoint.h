@@ -52,7 +52,7 @@ struct viewpoint_result {
 
 /// The nearest line through two of the targets and, if `planes`, the nearest plane through three.
 /// targets:  count, different, coordinates within VIEWPOINT_COORDINATE_MAX; not modified.
-/// Cost:     count^2 / 2 distances, and count^3 / 6 determinants with `planes`: 7 ns each on a PC.
+/// Cost:     count^2 / 2 distances, and count^3 / 6 determinants with `planes`: 20 ns each on a PC.
 ///           No workspace.
 /// Accuracy: exact (tests/property/viewpoint.c: brute force in rational numbers, and by moving the
 ///           viewpoint by a little less and a little more).

@@ -46,11 +46,29 @@ static struct lineup_result all_triples(const struct vec3 *d, uint32_t count) {
     return r;
 }
 
+/// By its common divisor, the first component that is not 0 above 0.
+static struct vec3 primitive_of(struct vec3 a) {
+    int64_t x = llabs(a.x), y = llabs(a.y), z = llabs(a.z), sign = 1;
+    while (x != 0 && y != 0) {
+        x > y ? (x %= y) : (y %= x);
+    }
+    x += y;
+    while (x != 0 && z != 0) {
+        x > z ? (x %= z) : (z %= x);
+    }
+    if (a.x < 0 || (a.x == 0 && (a.y < 0 || (a.y == 0 && a.z < 0)))) {
+        sign = -1;
+    }
+    const int64_t divisor = sign * (x + z);
+    return vec3((int32_t)(a.x / divisor), (int32_t)(a.y / divisor), (int32_t)(a.z / divisor));
+}
+
 /// The normal of the first triple, from the directions as given; zero if all three are parallel.
 static bool is_normal(const struct lineup_result *r, const struct vec3 *d) {
     struct vec3_i64 n = {0, 0, 0};
     for (int k = 0; k < 3 && r->triples != 0U && (n.x | n.y | n.z) == 0; k++) {
-        const struct vec3 a = d[r->first[k == 2]], b = d[r->first[k == 0 ? 1 : 2]];
+        const struct vec3 a = primitive_of(d[r->first[k == 2]]),
+                          b = primitive_of(d[r->first[k == 0 ? 1 : 2]]);
         n = (struct vec3_i64){(int64_t)a.y * b.z - (int64_t)a.z * b.y,
                               (int64_t)a.z * b.x - (int64_t)a.x * b.z,
                               (int64_t)a.x * b.y - (int64_t)a.y * b.x};
@@ -134,6 +152,14 @@ static void on_a_lattice_only_the_turn_is_right(void) {
         printf("# lattice of %u: %llu triples, %llu without the turn, turn %u\n", count,
                (unsigned long long)wanted.triples, (unsigned long long)as_is.triples, turned.turns);
     }
+    // However far apart its places are.
+    const uint32_t count = lattice(d, 3);
+    const struct lineup_result near = find(d, count, true);
+    for (uint32_t i = 0; i < count; i++) {
+        d[i] = vec3(d[i].x * 5000000, d[i].y * 5000000, d[i].z * 5000000);
+    }
+    const struct lineup_result far = find(d, count, true);
+    CHECK(same(&near, &far));
     // Where nothing is vertical it needs none.
     const struct vec3 general[] = {{1, 0, 9}, {2, 5, 9}, {3, 1, 9}, {5, 2, 9}, {7, 3, 9}};
     const struct lineup_result wanted = all_triples(general, 5), as_is = find(general, 5, false);
