@@ -282,6 +282,31 @@ static void gaps(void) {
     optima_of(REGULAR_SEGMENTS2_VERTICAL, 500);
 }
 
+/// Nearly even directions, whose widest gap is hardly wider than the mean one: buckets that were
+/// a little too wide would swallow it.
+static void even_gaps(void) {
+    uint64_t seed = 131;
+    for (int round = 0; round < 400; round++) {
+        const uint32_t count = 2U + (uint32_t)(check_random(&seed) % (COUNT_MOST - 1U));
+        const struct regular_input in = {REGULAR_SEGMENTS2_VERTICAL, points, count};
+        const long double start = (long double)(check_random(&seed) % 1000U) / 100;
+        for (uint32_t i = 0; i < count; i++) {
+            const long double jitter = (long double)(check_random(&seed) % 1000U) / 20000;
+            const long double angle = start + (i + jitter) * turn_rad / 2 / count;
+            points[2 * i] = vec3(0, 0, 0);
+            points[2 * i + 1] =
+                vec3((int32_t)(1e6L * cosl(angle)), (int32_t)(1e6L * sinl(angle)), 0);
+        }
+        list_forbidden(&in);
+        try_all(true);
+        const struct regular_options buckets = {.buckets = true};
+        if (!check_optimum(&in, NULL) || !check_optimum(&in, &buckets)) {
+            check_note("round", round);
+            return;
+        }
+    }
+}
+
 static void empty_circles(void) {
     optima_of(REGULAR_POINTS3_LINE, 60);
     optima_of(REGULAR_SEGMENTS3_VERTICAL, 150);
@@ -297,6 +322,7 @@ static void arrangements(void) {
 int main(void) {
     check_note("seed 111 + problem", 111);
     TEST(gaps);
+    TEST(even_gaps);
     TEST(empty_circles);
     TEST(arrangements);
     return check_finish();
