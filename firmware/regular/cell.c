@@ -1,6 +1,9 @@
 #include "regular/cell.h"
 
+#include "fixed/trig_fine.h"
 #include "sphere/min_norm.h"
+
+#include <stddef.h>
 
 #define ONE_Q60 ((int64_t)1 << 60)
 
@@ -115,18 +118,53 @@ static struct disc exact_disc(const struct cell_circle *circles, const struct to
     return rounded; // more sides than TOUCHING_MOST touch it
 }
 
-static void take(struct cell_best *best, const struct disc *disc, int64_t sine_q61) {
-    best->disc = *disc;
+static void take(struct cell_best *best, int64_t sine_q61) {
+    best->any = true;
     best->sine_q61 = sine_q61;
     const int64_t low = (sine_q61 - 2 * CELL_ERROR) >> 31;
     best->square_q60 = low > 0 ? low * low : 0;
+}
+
+struct cell_sides {
+    const struct cell_circle *circles;
+    const cell_side *sides;
+};
+
+static struct vec3_i64 side_of(const void *context, uint32_t i, bool exact) {
+    const struct cell_sides *const cell = context;
+    const cell_side side = cell->sides[i];
+    return exact ? turned(cell->circles[side / 2U].normal, side) : inward(cell->circles, side);
+}
+
+/// Is a point nearer than the sides are, in the middle of the disc? Then the best place is another
+/// one: it is taken if it is better than the best. False: no point is in the way.
+static bool consider_points(struct cell_best *best, const struct cell_circle *circles,
+                            const cell_side *sides, uint32_t count, struct vec3_i64 axis,
+                            int64_t sine_q61) {
+    const struct cell_sides cell = {circles, sides};
+    lone_list(best->lone, side_of, &cell, count);
+    best->operations += 2U * best->lone->count;
+    const int64_t clear =
+        trig_fine_sincos(lone_distance(best->lone, axis)).sin_q62 / 2 + CELL_ERROR;
+    if (clear >= sine_q61) {
+        return false;
+    }
+    struct vec3_i64 at;
+    const uint64_t distance = lone_best(best->lone, side_of, &cell, count, &at);
+    const int64_t sine = trig_fine_sincos(distance).sin_q62 / 2;
+    if (distance != 0U && (!best->any || sine > best->sine_q61)) {
+        best->beside_points = true;
+        best->at = at;
+        take(best, sine);
+    }
+    return true;
 }
 
 void cell_consider(struct cell_best *best, const struct cell_circle *circles,
                    const cell_side *sides, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         best->operations++;
-        if (best->disc.count != 0U &&
+        if (best->any &&
             too_narrow(best, circles, sides[i], sides[i + 1U == count ? 0U : i + 1U])) {
             return;
         }
@@ -139,7 +177,10 @@ void cell_consider(struct cell_best *best, const struct cell_circle *circles,
         const int64_t here = sine_of(circles, sides[i], axis);
         sine = here < sine ? here : sine;
     }
-    if (best->disc.count != 0U && sine + 2 * CELL_ERROR < best->sine_q61) {
+    if (best->any && sine + 2 * CELL_ERROR < best->sine_q61) {
+        return;
+    }
+    if (best->lone != NULL && consider_points(best, circles, sides, count, axis, sine)) {
         return;
     }
     struct touching touching = {0};
@@ -149,8 +190,12 @@ void cell_consider(struct cell_best *best, const struct cell_circle *circles,
         }
     }
     const struct disc disc = exact_disc(circles, &touching, &support);
-    if (best->disc.count == 0U || sine > best->sine_q61 + 2 * CELL_ERROR ||
-        disc_compare(&disc, &best->disc) > 0) {
-        take(best, &disc, sine);
+    const bool better =
+        !best->any || sine > best->sine_q61 + 2 * CELL_ERROR ||
+        (best->beside_points ? sine > best->sine_q61 : disc_compare(&disc, &best->disc) > 0);
+    if (better) {
+        best->disc = disc;
+        best->beside_points = false;
+        take(best, sine);
     }
 }

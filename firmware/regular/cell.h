@@ -2,7 +2,7 @@
 #ifndef REGULAR_CELL_H
 #define REGULAR_CELL_H
 
-#include "regular/disc.h"
+#include "regular/lone.h"
 
 struct cell_circle {
     struct vec3_i64 normal; ///< primitive, below 2^43
@@ -15,9 +15,13 @@ typedef uint32_t cell_side;
 
 /// The best disc so far.
 struct cell_best {
-    struct disc disc;   ///< count 0: none yet
+    bool any;
+    struct disc disc;
     int64_t sine_q61;   ///< of its radius, within CELL_ERROR
     int64_t square_q60; ///< of that, rounded down
+    struct lone *lone;  ///< points to keep away from; NULL: none
+    bool beside_points; ///< the best place keeps away from such a point, too: it is `at`
+    struct vec3_i64 at;
     uint64_t operations;
 };
 /// 2^-49.

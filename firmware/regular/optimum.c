@@ -50,6 +50,9 @@ void optimum_open(struct optimum *o, enum regular_problem problem, uint32_t coun
     } else if (o->line_room != 0U) {
         empty_open(&o->empty, o->line_room, arena);
     }
+    if (problem == REGULAR_SEGMENTS3_PLANE) {
+        o->lone.inside = arena_take(arena, 2U * (uint64_t)count, sizeof *o->lone.inside);
+    }
     if (o->circle_room != 0U) {
         o->normals = arena_take(arena, o->circle_room, sizeof *o->normals);
         o->list = arena_take(arena, o->circle_room, sizeof *o->list);
@@ -82,8 +85,8 @@ static void tell_tolerance(struct steps *steps, const struct optimum *o,
                                (o->weights == NULL ? 1U : o->weights[i]);
         of_lines = angle < of_lines ? angle : of_lines;
     }
-    // Segments that stand in no circle's plane were left out of the search for the disc.
-    steps->result->tolerance_is_bound = o->normal_count != 0U && of_lines < least;
+    // The cylinder's search takes no notice of lines.
+    steps->result->tolerance_is_bound = o->lone.count != 0U && steps->options->cylinder;
     least = of_lines < least ? of_lines : least;
     steps->result->tolerance_turn64 = least > DISC_ANGLE_ERROR ? least - DISC_ANGLE_ERROR : 0U;
     // Of the two opposite directions the upper one, which `above` has already.
@@ -275,6 +278,23 @@ static enum regular_status none(struct steps *steps, const struct regular_confli
     return REGULAR_NONE;
 }
 
+/// Of a line on a circle the circle is nearer.
+static void keep_lone_lines(struct optimum *o) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < o->line_count; i++) {
+        bool on_circle = false;
+        for (uint32_t c = 0; c < o->circle_count && !on_circle; c++) {
+            on_circle = lone_is_on(o->lines[i], o->circles[c].normal);
+        }
+        if (!on_circle) {
+            o->lines[kept++] = o->lines[i];
+        }
+    }
+    o->line_count = kept;
+    o->lone.lines = o->lines;
+    o->lone.count = kept;
+}
+
 static enum regular_status find_between_circles(struct steps *steps, struct optimum *o) {
     const bool above = steps->options->above;
     struct cell_best best = {.operations = 0};
@@ -282,6 +302,8 @@ static enum regular_status find_between_circles(struct steps *steps, struct opti
         return none(steps, &o->conflict);
     }
     different_circles(o);
+    keep_lone_lines(o);
+    best.lone = o->lone.count != 0U && !steps->options->cylinder ? &o->lone : NULL;
     if (above) {
         search_above(o, &best);
     } else if (!start_in_general_position(o)) {
@@ -294,7 +316,7 @@ static enum regular_status find_between_circles(struct steps *steps, struct opti
     }
     steps->result->regular = true;
     steps->result->operations += best.operations;
-    tell_tolerance(steps, o, disc_centre(&best.disc));
+    tell_tolerance(steps, o, best.beside_points ? best.at : disc_centre(&best.disc));
     return REGULAR_OK;
 }
 

@@ -14,6 +14,7 @@ struct optimum {
     struct vec3 *lines; ///< forbidden directions, primitive
     uint32_t *weights;  ///< of lines
     uint32_t line_count;
+    struct lone lone; ///< lines on no circle, of SEGMENTS3_PLANE
     struct gap gap;
     struct empty empty;
     uint32_t circle_room;

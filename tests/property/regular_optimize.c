@@ -282,6 +282,31 @@ static void gaps(void) {
     optima_of(REGULAR_SEGMENTS2_VERTICAL, 500);
 }
 
+/// Nearly even directions, whose widest gap is hardly wider than the mean one: buckets that were
+/// a little too wide would swallow it.
+static void even_gaps(void) {
+    uint64_t seed = 131;
+    for (int round = 0; round < 400; round++) {
+        const uint32_t count = 2U + (uint32_t)(check_random(&seed) % (COUNT_MOST - 1U));
+        const struct regular_input in = {REGULAR_SEGMENTS2_VERTICAL, points, count};
+        const long double start = (long double)(check_random(&seed) % 1000U) / 100;
+        for (uint32_t i = 0; i < count; i++) {
+            const long double jitter = (long double)(check_random(&seed) % 1000U) / 20000;
+            const long double angle = start + (i + jitter) * turn_rad / 2 / count;
+            points[2 * i] = vec3(0, 0, 0);
+            points[2 * i + 1] =
+                vec3((int32_t)(1e6L * cosl(angle)), (int32_t)(1e6L * sinl(angle)), 0);
+        }
+        list_forbidden(&in);
+        try_all(true);
+        const struct regular_options buckets = {.buckets = true};
+        if (!check_optimum(&in, NULL) || !check_optimum(&in, &buckets)) {
+            check_note("round", round);
+            return;
+        }
+    }
+}
+
 static void empty_circles(void) {
     optima_of(REGULAR_POINTS3_LINE, 60);
     optima_of(REGULAR_SEGMENTS3_VERTICAL, 150);
@@ -294,10 +319,96 @@ static void arrangements(void) {
     optima_of(REGULAR_FACES_VERTICAL, 150);
 }
 
+// ---------------------------------------------------------------- lone segments
+
+/// Directions of segments, beside the circles of those that share planes.
+static struct {
+    uint32_t count;
+    struct real3 at[COUNT_MOST];
+} own;
+
+static long double mixed_value(struct real3 v) {
+    long double least = value_of(v);
+    for (uint32_t i = 0; i < own.count; i++) {
+        least = fminl(least, line_angle(v, own.at[i]));
+    }
+    return least;
+}
+
+/// Is there no place in this square of a cube's face that is farther away than `most`? The value
+/// changes by no more than the direction turns.
+static bool nothing_beyond(int face, long double u, long double v, long double half,
+                           long double most) {
+    const struct real3 on_face = {u, v, 1};
+    const struct real3 at = face == 0   ? on_face
+                            : face == 1 ? (struct real3){v, 1, u}
+                                        : (struct real3){1, u, v};
+    const long double value = mixed_value(at);
+    if (value > most) {
+        return false;
+    }
+    if (value + 1.4143L * half <= most) {
+        return true;
+    }
+    half /= 2;
+    return nothing_beyond(face, u - half, v - half, half, most) &&
+           nothing_beyond(face, u - half, v + half, half, most) &&
+           nothing_beyond(face, u + half, v - half, half, most) &&
+           nothing_beyond(face, u + half, v + half, half, most);
+}
+
+static bool check_mixed(const struct regular_input *in) {
+    list_forbidden(in);
+    own.count = 0;
+    for (uint32_t i = 0; i < in->count; i++) {
+        const struct vec3 *const s = &in->points[2 * i];
+        const struct real3 d = {(long double)s[1].x - s[0].x, (long double)s[1].y - s[0].y,
+                                (long double)s[1].z - s[0].z};
+        own.at[own.count++] = d;
+    }
+    struct regular_result result;
+    if (!CHECK_EQ(optimize(in, NULL, &result), REGULAR_OK)) {
+        return false;
+    }
+    const long double tolerance = tolerance_of(&result);
+    const long double there = mixed_value(direction_of(&result));
+    bool good = CHECK(tolerance <= there + 1e-18L) && CHECK(tolerance > there - 1e-12L) &&
+                CHECK(!result.tolerance_is_bound);
+    for (int face = 0; face < 3 && good; face++) {
+        good = CHECK(nothing_beyond(face, 0, 0, 1, there + 1e-5L));
+    }
+    if (!good) {
+        printf("  segments %u, circles %u: tolerance %.15Lg, there %.15Lg\n", in->count,
+               forbidden.count, tolerance, there);
+    }
+    return good;
+}
+
+/// A few segments of a wire frame, and a few that lie in a plane with no other one: these forbid
+/// their own direction only. Compared with a search of the whole sphere.
+static void lone_segments(void) {
+    uint64_t seed = 141;
+    for (int round = 0; round < 60; round++) {
+        const uint32_t joined = (uint32_t)(check_random(&seed) % 5U);
+        const uint32_t count = joined + 1U + (uint32_t)(check_random(&seed) % 4U);
+        const struct regular_input in = {REGULAR_SEGMENTS3_PLANE, points, count};
+        if (!check_draw(&seed, REGULAR_SEGMENTS3_PLANE, count, 50000, points)) {
+            continue;
+        }
+        join_segments(&seed, joined);
+        if (check_exists(&in) && !check_mixed(&in)) {
+            check_note("round", round);
+            return;
+        }
+    }
+}
+
 int main(void) {
     check_note("seed 111 + problem", 111);
     TEST(gaps);
+    TEST(even_gaps);
     TEST(empty_circles);
     TEST(arrangements);
+    TEST(lone_segments);
     return check_finish();
 }
