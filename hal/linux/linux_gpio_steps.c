@@ -8,7 +8,7 @@
 
 #define WIDTH_NS    UINT64_C(5000)
 #define SET_UP_NS   UINT64_C(20000)
-#define IDLE_NS     UINT64_C(500000)   ///< how often a new target is looked for at rest
+#define IDLE_NS     UINT64_C(2000000)  ///< how often a new target is looked for at rest
 #define SPAN_NS_MAX UINT64_C(50000000) ///< of one target: a first one is not stretched over minutes
 #define RATE_MAX    100000U
 
