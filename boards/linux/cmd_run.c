@@ -47,13 +47,21 @@ static void add_by_kind(struct facts *facts, struct runner *runner) {
     facts_u64(facts, "can_receive_failed", errors->can_receive_failed);
     facts_u64(facts, "can_restarts", errors->can_restarts);
     facts_u64(facts, "pwm_failed", errors->pwm_failed);
+    const struct linux_jitter edges = rig_devices_jitter(&runner->devices);
+    if (edges.count != 0U) {
+        facts_fixed(facts, "edge_late_us_p50", (double)linux_jitter_quantile(&edges, 500) * 1e-3,
+                    1);
+        facts_fixed(facts, "edge_late_us_p99", (double)linux_jitter_quantile(&edges, 990) * 1e-3,
+                    1);
+        facts_fixed(facts, "edge_late_us_max", (double)edges.max * 1e-3, 1);
+    }
     facts_bool(facts, "realtime_priority", runner->realtime.priority);
     facts_bool(facts, "locked_memory", runner->realtime.memory);
 }
 
 static void print_summary(const struct settings *settings, struct runner *runner) {
     static const char *const names[] = {"pan_deg", "tilt_deg"};
-    const struct jitter *jitter = &runner->loop.jitter;
+    const struct linux_jitter *jitter = &runner->loop.jitter;
     const struct controller_status *status = &runner->pump->output.status;
     struct facts facts;
     facts_begin(&facts, stdout, settings->json);
@@ -62,10 +70,10 @@ static void print_summary(const struct settings *settings, struct runner *runner
     facts_fixed(&facts, "seconds", (double)(runner->loop.ticks * runner->loop.tick_us) * 1e-6, 3);
     facts_u64(&facts, "steps", runner->steps);
     facts_u64(&facts, "missed_ticks", runner->loop.missed_ticks);
-    facts_u64(&facts, "late_us_p50", jitter_quantile_us(jitter, 500));
-    facts_u64(&facts, "late_us_p99", jitter_quantile_us(jitter, 990));
-    facts_u64(&facts, "late_us_p999", jitter_quantile_us(jitter, 999));
-    facts_u64(&facts, "late_us_max", jitter->max_us);
+    facts_u64(&facts, "late_us_p50", linux_jitter_quantile(jitter, 500));
+    facts_u64(&facts, "late_us_p99", linux_jitter_quantile(jitter, 990));
+    facts_u64(&facts, "late_us_p999", linux_jitter_quantile(jitter, 999));
+    facts_u64(&facts, "late_us_max", jitter->max);
     for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
         const struct controller_axis_status *at = &status->axis[axis];
         facts_fixed(&facts, names[axis],
@@ -192,6 +200,7 @@ const struct command command_run = {
         "priority and locked memory where this user may have them.\n\n"
         "results:\n"
         "  late_us_*      how late the ticks came: half of them at most, 99 %, 99.9 %, the latest\n"
+        "  edge_late_us_* the same of servo pulses and steps that come from GPIO lines\n"
         "  missed_ticks   due while an earlier one was worked on\n"
         "  pan_deg ...    where the axes are\n"
         "  camera_*       frames that came, that were lost on the way (by their numbers)\n"

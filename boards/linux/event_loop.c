@@ -78,6 +78,7 @@ bool event_loop_open(struct event_loop *loop, uint32_t tick_us) {
     memset(loop, 0, sizeof *loop);
     loop->timer = loop->signals = -1;
     loop->tick_us = tick_us;
+    loop->jitter.step = EVENT_LOOP_JITTER_STEP_US;
     loop->epoll = epoll_create1(EPOLL_CLOEXEC);
     return loop->epoll >= 0 && open_signals(loop) && open_timer(loop);
 }
@@ -104,17 +105,9 @@ static void read_signals(struct event_loop *loop) {
 }
 
 static void note_lateness(struct event_loop *loop) {
-    struct jitter *jitter = &loop->jitter;
     const uint64_t due_us = loop->start_us + (loop->ticks + 1U) * loop->tick_us;
     const uint64_t now_us = event_loop_now_us();
-    const uint64_t late_us = now_us > due_us ? now_us - due_us : 0U;
-    jitter->count++;
-    jitter->max_us = late_us > jitter->max_us ? late_us : jitter->max_us;
-    if (late_us / JITTER_BUCKET_US < JITTER_BUCKETS) {
-        jitter->bucket[late_us / JITTER_BUCKET_US]++;
-    } else {
-        jitter->over++;
-    }
+    linux_jitter_add(&loop->jitter, now_us > due_us ? now_us - due_us : 0U);
 }
 
 /// How many ticks are due.
@@ -156,17 +149,4 @@ uint64_t event_loop_tick(struct event_loop *loop, uint32_t *raised) {
     *raised = loop->raised;
     loop->raised = 0;
     return due;
-}
-
-uint64_t jitter_quantile_us(const struct jitter *jitter, unsigned per_mille) {
-    const uint64_t wanted = (jitter->count * per_mille + 999U) / 1000U;
-    uint64_t seen = 0;
-    for (unsigned i = 0; i < JITTER_BUCKETS && wanted > 0U; i++) {
-        seen += jitter->bucket[i];
-        if (seen >= wanted) {
-            const uint64_t most_us = (uint64_t)(i + 1U) * JITTER_BUCKET_US;
-            return most_us < jitter->max_us ? most_us : jitter->max_us;
-        }
-    }
-    return wanted > 0U ? jitter->max_us : 0U;
 }

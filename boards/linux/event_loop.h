@@ -7,10 +7,12 @@
 #ifndef LINUX_EVENT_LOOP_H
 #define LINUX_EVENT_LOOP_H
 
+#include "linux/linux_jitter.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { EVENT_LOOP_WATCHES_MAX = 16, JITTER_BUCKETS = 2000, JITTER_BUCKET_US = 10 };
+enum { EVENT_LOOP_WATCHES_MAX = 16, EVENT_LOOP_JITTER_STEP_US = 10 };
 
 /// Signals that came since the last tick.
 enum event_loop_signal {
@@ -19,20 +21,14 @@ enum event_loop_signal {
     EVENT_LOOP_REARM = 4   ///< SIGUSR1
 };
 
-struct jitter {
-    uint64_t count, over; ///< ticks; those later than the last bucket
-    uint64_t max_us;
-    uint64_t bucket[JITTER_BUCKETS];
-};
-
 struct event_loop {
     int epoll, timer, signals;
     uint32_t tick_us;
-    uint64_t start_us;     ///< CLOCK_MONOTONIC, of tick 0
-    uint64_t ticks;        ///< that were due so far
-    uint64_t missed_ticks; ///< due while an earlier one was still being worked on
-    uint32_t raised;       ///< enum event_loop_signal
-    struct jitter jitter;
+    uint64_t start_us;          ///< CLOCK_MONOTONIC, of tick 0
+    uint64_t ticks;             ///< that were due so far
+    uint64_t missed_ticks;      ///< due while an earlier one was still being worked on
+    uint32_t raised;            ///< enum event_loop_signal
+    struct linux_jitter jitter; ///< us
     struct event_loop_watch {
         int fd;
         void (*ready)(void *context);
@@ -58,9 +54,6 @@ void event_loop_forget(struct event_loop *loop, int fd);
 /// Waits until a tick is due. Returns how many are: more than 1 if the last one took too long.
 /// *raised: the signals since the last call. 0: interrupted by an error, errno tells.
 uint64_t event_loop_tick(struct event_loop *loop, uint32_t *raised);
-
-/// How late the given share of the ticks was at most; 0 without ticks. per_mille: 0 to 1000.
-uint64_t jitter_quantile_us(const struct jitter *jitter, unsigned per_mille);
 
 /// Microseconds of CLOCK_MONOTONIC.
 uint64_t event_loop_now_us(void);

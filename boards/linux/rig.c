@@ -13,6 +13,10 @@ __extension__ typedef __int128 wide;
 
 static const char *const axis_names[] = {"pan", "tilt", "zoom"};
 
+/// Between the limits: as many as pulses of a PWM drive have nanoseconds.
+#define RIG_STEPS_MAX     18000000
+#define RIG_STEP_RATE_MAX 75000
+
 /// A rate per second (or per second^power) as a rate per tick, rounded down, at least 1.
 static int64_t per_tick(int64_t rate, uint32_t tick_us, unsigned power) {
     wide scaled = rate;
@@ -98,6 +102,40 @@ static bool build_uvc(const struct ini *ini, unsigned axis, const struct rig_axi
     return true;
 }
 
+/// Steps as pulses of a PWM drive: see rig.h.
+static bool build_step(const struct ini *ini, const char *name, const struct rig_axis *from,
+                       struct drive_pwm_config *pwm, struct rig_step *step) {
+    const wide per_turn_micro = (wide)from->steps_per_deg_micro * 360;
+    const wide range_q48 = (wide)from->limit_max_q48 - from->limit_min_q48;
+    const wide count = range_q48 * per_turn_micro / 1000000 / AXIS_TURN_Q48 + 1;
+    if (from->steps_per_deg_micro == 0 || count > RIG_STEPS_MAX) {
+        ini_complain(ini, name, "", "steps_per_deg",
+                     from->steps_per_deg_micro == 0 ? "has to be told for drive = step"
+                                                    : "gives too many steps between the limits");
+        return false;
+    }
+    const wide unit_ns = RIG_STEPS_MAX / count < 1000 ? RIG_STEPS_MAX / count : 1000;
+    const wide rate = (wide)from->speed_q48 * per_turn_micro / 1000000 / AXIS_TURN_Q48;
+    if (rate > RIG_STEP_RATE_MAX) {
+        ini_complain(ini, name, "", "speed_max_dps", "takes more than %d steps a second",
+                     RIG_STEP_RATE_MAX);
+        return false;
+    }
+    *pwm = (struct drive_pwm_config){
+        .channel = (uint32_t)from->channel,
+        .low_q48 = from->limit_min_q48,
+        .high_q48 =
+            from->limit_min_q48 + (int64_t)(count * AXIS_TURN_Q48 * 1000000 / per_turn_micro),
+        .low_pulse_ns = RIG_STEP_BASE_NS,
+        .high_pulse_ns = RIG_STEP_BASE_NS + (uint32_t)(count * unit_ns)};
+    *step = (struct rig_step){.unit_ns = (uint32_t)unit_ns,
+                              .direction_channel = (uint32_t)from->direction_channel,
+                              .rate_max = (uint32_t)(rate + rate / 4 + 50), // to catch up
+                              .home_steps = (int64_t)(((wide)from->home_q48 - from->limit_min_q48) *
+                                                      per_turn_micro / 1000000 / AXIS_TURN_Q48)};
+    return true;
+}
+
 static bool build_axis(const struct rig_file *file, const struct ini *ini, unsigned axis,
                        struct rig *rig) {
     const struct rig_axis *from = &file->axis[axis];
@@ -128,6 +166,10 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         rig->is_uvc[axis] = true;
         to->drive.kind = DRIVE_PWM;
         return build_uvc(ini, axis, from, &to->drive.pwm);
+    }
+    if (from->drive == RIG_DRIVE_STEP) {
+        to->drive.kind = DRIVE_PWM;
+        return build_step(ini, name, from, &to->drive.pwm, &rig->step[axis]);
     }
     // A little above our own limit: a drive that lags needs some speed to catch up.
     const double speed_dps = (double)from->speed_q48 * 360.0 / 281474976710656.0;

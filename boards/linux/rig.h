@@ -10,12 +10,23 @@
 
 #include <stdbool.h>
 
+/// An axis with a stepper driver. The controller sees a PWM drive, whose pulse is a number of
+/// steps: RIG_STEP_BASE_NS at limit_min, unit_ns more for each step.
+struct rig_step {
+    uint32_t unit_ns; ///< 0: the axis has none
+    uint32_t direction_channel;
+    uint32_t rate_max;  ///< steps a second
+    int64_t home_steps; ///< where the axis stands at the start
+};
+#define RIG_STEP_BASE_NS 1000000U
+
 struct rig {
     struct ini ini; ///< keeps the texts
     struct controller_config controller;
     const char *bus[2];             ///< of pan and tilt, as in the file: "fake" or "can:NAME"
     const char *device[3];          ///< of PWM axes: "fake", a PWM chip, a camera
     bool is_uvc[3];                 ///< a camera's own axis: driven as PWM (linux_camera_servo.h)
+    struct rig_step step[2];        ///< of pan and tilt
     const char *estop, *enable;     ///< lines, see rig_lines.h; empty: none
     const char *limit_switch[2][2]; ///< of pan and tilt, at the lower and the upper end
     uint32_t debounce_us;

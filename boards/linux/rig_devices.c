@@ -5,6 +5,8 @@
 
 static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
 
+#define GPIO_SCHEME "gpio:"
+
 // ---------------------------------------------------------------- outputs, numbered by axis
 
 static const struct hal_pwm *pwm_of(const struct rig_devices *devices, uint32_t axis) {
@@ -85,6 +87,56 @@ static enum hal_status open_camera(struct rig_devices *devices, struct rig_outpu
     return status;
 }
 
+// ---------------------------------------------------------------- plain lines
+
+/// A stepper driver as a PWM output: rig.h has the scale.
+static enum hal_status steps_limits(void *ctx, uint32_t channel, struct hal_pwm_limits *limits) {
+    struct rig_output_device *device = ctx;
+    (void)channel;
+    *limits = (struct hal_pwm_limits){20000000U, 20000000U, 20000000U, 1U};
+    return linux_gpio_steps_presence(&device->steps);
+}
+
+static enum hal_status steps_set_period(void *ctx, uint32_t channel, uint32_t period_ns) {
+    (void)ctx;
+    (void)channel;
+    (void)period_ns;
+    return HAL_ERROR_ARGUMENT;
+}
+
+/// No pulse, no power: a stepper stays where it is.
+static enum hal_status steps_set_pulse(void *ctx, uint32_t channel, uint32_t pulse_ns) {
+    struct rig_output_device *device = ctx;
+    (void)channel;
+    if (pulse_ns < RIG_STEP_BASE_NS) {
+        return linux_gpio_steps_presence(&device->steps);
+    }
+    const uint32_t unit_ns = device->step->unit_ns;
+    return linux_gpio_steps_go(&device->steps,
+                               (pulse_ns - RIG_STEP_BASE_NS + unit_ns / 2U) / unit_ns);
+}
+
+/// A stepper goes on from where it was when the chip left.
+static enum hal_status open_lines(struct rig_devices *devices, struct rig_output_device *device) {
+    static const struct hal_pwm_ops step_ops = {steps_limits, steps_set_period, steps_set_pulse};
+    const char *chip = device->text + strlen(GPIO_SCHEME);
+    enum hal_status status;
+    if (device->kind == RIG_OUTPUT_GPIO) {
+        status = linux_gpio_pulses_open(&device->pulses, chip, device->lines, device->line_count);
+        devices->error = device->pulses.error;
+        device->hal = &device->pulses.hal;
+        return status;
+    }
+    const int64_t position =
+        device->lost ? linux_gpio_steps_position(&device->steps) : device->step->home_steps;
+    status =
+        linux_gpio_steps_open(&device->steps, chip, device->lines[0],
+                              device->step->direction_channel, device->step->rate_max, position);
+    devices->error = device->steps.error;
+    device->hal = &device->step_hal;
+    return hal_pwm_bind(&device->step_hal, &step_ops, device) == HAL_OK ? status : HAL_ERROR_IO;
+}
+
 static enum hal_status open_output(struct rig_devices *devices, struct rig_output_device *device) {
     enum hal_status status;
     if (device->kind == RIG_OUTPUT_PWM) {
@@ -96,8 +148,10 @@ static enum hal_status open_output(struct rig_devices *devices, struct rig_outpu
         status = linux_maestro_open(&device->maestro, colon != NULL ? colon + 1 : NULL);
         devices->error = device->maestro.error;
         device->hal = &device->maestro.hal;
-    } else {
+    } else if (device->kind == RIG_OUTPUT_CAMERA) {
         status = open_camera(devices, device);
+    } else {
+        status = open_lines(devices, device);
     }
     for (unsigned axis = 0; axis < AXIS_COUNT && status == HAL_OK; axis++) {
         const struct rig_output *output = &devices->output[axis];
@@ -113,31 +167,54 @@ static enum hal_status open_output(struct rig_devices *devices, struct rig_outpu
 }
 
 static void close_output(struct rig_output_device *device) {
-    if (device->kind == RIG_OUTPUT_PWM) {
+    switch (device->kind) {
+    case RIG_OUTPUT_PWM:
         linux_pwm_close(&device->pwm);
-    } else if (device->kind == RIG_OUTPUT_MAESTRO) {
+        break;
+    case RIG_OUTPUT_MAESTRO:
         linux_maestro_close(&device->maestro);
-    } else {
+        break;
+    case RIG_OUTPUT_CAMERA:
         linux_camera_close(&device->camera);
+        break;
+    case RIG_OUTPUT_GPIO:
+        linux_gpio_pulses_close(&device->pulses);
+        break;
+    default:
+        linux_gpio_steps_close(&device->steps);
+        break;
     }
 }
 
-/// The entry of a device of that name, which axes may share.
-static struct rig_output_device *device_of(struct rig_devices *devices, const char *text,
-                                           bool is_camera) {
+/// What kind of device a text names. False: none.
+static bool kind_of(const char *text, enum rig_output_kind *kind) {
+    const size_t scheme = strlen(GPIO_SCHEME);
+    const bool maestro = strcmp(text, "maestro") == 0 || strncmp(text, "maestro:", 8) == 0;
+    const bool gpio = strncmp(text, GPIO_SCHEME, scheme) == 0 && text[scheme] != '\0';
+    *kind = maestro ? RIG_OUTPUT_MAESTRO : gpio ? RIG_OUTPUT_GPIO : RIG_OUTPUT_PWM;
+    return maestro || gpio || strncmp(text, "pwmchip", 7) == 0;
+}
+
+/// The entry of an axis' device, which others may share; a stepper driver is one axis' only.
+static struct rig_output_device *device_of(struct rig_devices *devices, const struct rig *rig,
+                                           unsigned axis) {
+    const char *text = rig->device[axis];
+    const bool is_step = axis < AXIS_ZOOM && rig->step[axis].unit_ns != 0U;
+    enum rig_output_kind kind = RIG_OUTPUT_CAMERA;
+    if (!rig->is_uvc[axis] && (!kind_of(text, &kind) || (is_step && kind != RIG_OUTPUT_GPIO))) {
+        return NULL;
+    }
+    kind = is_step ? RIG_OUTPUT_STEPS : kind;
     for (unsigned i = 0; i < devices->device_count; i++) {
-        if ((devices->device[i].kind == RIG_OUTPUT_CAMERA) == is_camera &&
+        if (devices->device[i].kind == kind && !is_step &&
             strcmp(devices->device[i].text, text) == 0) {
             return &devices->device[i];
         }
     }
-    const bool maestro = strcmp(text, "maestro") == 0 || strncmp(text, "maestro:", 8) == 0;
-    if (!is_camera && !maestro && strncmp(text, "pwmchip", 7) != 0) {
-        return NULL;
-    }
     struct rig_output_device *device = &devices->device[devices->device_count++];
-    device->kind = is_camera ? RIG_OUTPUT_CAMERA : maestro ? RIG_OUTPUT_MAESTRO : RIG_OUTPUT_PWM;
+    device->kind = kind;
     device->text = text;
+    device->step = is_step ? &rig->step[axis] : NULL;
     return device;
 }
 
@@ -166,14 +243,18 @@ static bool find_outputs(struct rig_devices *devices, struct rig *rig) {
             continue;
         }
         note_reach(output, &rig->controller.axis[axis]);
-        output->device = device_of(devices, rig->device[axis], rig->is_uvc[axis]);
+        output->device = device_of(devices, rig, axis);
         if (output->device == NULL) {
             ini_complain(&rig->ini, axis_names[axis], "", "device",
-                         "is '%s'; it has to be pwmchipN, maestro, maestro:SERIAL or fake",
+                         "is '%s'; it has to be pwmchipN, maestro, maestro:SERIAL, gpio:CHIP or "
+                         "fake (of a stepper gpio:CHIP)",
                          rig->device[axis]);
             return false;
         }
-        if (output->channel < 32U) {
+        struct rig_output_device *device = output->device;
+        if (device->kind == RIG_OUTPUT_GPIO || device->kind == RIG_OUTPUT_STEPS) {
+            device->lines[device->line_count++] = output->channel;
+        } else if (output->channel < 32U) {
             output->device->channels |= UINT32_C(1) << output->channel;
         }
     }
@@ -222,6 +303,18 @@ void rig_devices_tick(struct rig_devices *devices) {
     }
 }
 
+struct linux_jitter rig_devices_jitter(struct rig_devices *devices) {
+    struct linux_jitter jitter = {.step = 1000U};
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        if (devices->device[i].kind == RIG_OUTPUT_GPIO) {
+            linux_gpio_pulses_jitter(&devices->device[i].pulses, &jitter);
+        } else if (devices->device[i].kind == RIG_OUTPUT_STEPS) {
+            linux_gpio_steps_jitter(&devices->device[i].steps, &jitter);
+        }
+    }
+    return jitter;
+}
+
 /// A device that leaves answers that it is gone to whatever it is asked.
 const char *rig_devices_newly_lost(struct rig_devices *devices) {
     struct hal_pwm_limits limits;
@@ -237,7 +330,9 @@ const char *rig_devices_newly_lost(struct rig_devices *devices) {
             device->lost = true;
             devices->error = device->kind == RIG_OUTPUT_PWM       ? device->pwm.error
                              : device->kind == RIG_OUTPUT_MAESTRO ? device->maestro.error
-                                                                  : device->camera.error;
+                             : device->kind == RIG_OUTPUT_CAMERA  ? device->camera.error
+                             : device->kind == RIG_OUTPUT_GPIO    ? device->pulses.error
+                                                                  : device->steps.error;
             return devices->error.line;
         }
     }

@@ -3,9 +3,11 @@
 ///
 /// Buses are those of rig_bus.h. `device = pwmchipN` is a PWM chip of the kernel's,
 /// `device = maestro` (or maestro:SERIAL) a USB servo controller; with `drive = uvc` it is a
-/// camera, by its path or name. `fake` outputs next to real devices go nowhere. A device that
-/// leaves while the rig runs answers HAL_ERROR_GONE; rig_devices_mend opens it again when it is
-/// back, and outputs get the pulses that were asked for last.
+/// camera, by its path or name. `device = gpio:CHIP` are plain lines, for servos (channel: the
+/// line) and with `drive = step` for stepper drivers (channel: STEP). `fake` outputs next to real
+/// devices go nowhere. A device that leaves while the rig runs answers HAL_ERROR_GONE;
+/// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
+/// last.
 #ifndef LINUX_RIG_DEVICES_H
 #define LINUX_RIG_DEVICES_H
 
@@ -17,12 +19,20 @@
 #include "linux/linux_camera.h"
 #include "linux/linux_camera_servo.h"
 #include "linux/linux_clock.h"
+#include "linux/linux_gpio_pulses.h"
+#include "linux/linux_gpio_steps.h"
 #include "linux/linux_maestro.h"
 #include "linux/linux_pwm.h"
 
 #include <stdbool.h>
 
-enum rig_output_kind { RIG_OUTPUT_PWM, RIG_OUTPUT_MAESTRO, RIG_OUTPUT_CAMERA };
+enum rig_output_kind {
+    RIG_OUTPUT_PWM,
+    RIG_OUTPUT_MAESTRO,
+    RIG_OUTPUT_CAMERA,
+    RIG_OUTPUT_GPIO,
+    RIG_OUTPUT_STEPS
+};
 
 /// A device with outputs; several axes may share one.
 struct rig_output_device {
@@ -33,6 +43,12 @@ struct rig_output_device {
     struct linux_maestro maestro;
     struct linux_camera camera;
     struct linux_camera_servo servo;
+    struct linux_gpio_pulses pulses;
+    uint32_t lines[AXIS_COUNT]; ///< of pulses
+    uint32_t line_count;
+    struct linux_gpio_steps steps;
+    const struct rig_step *step; ///< NULL: no stepper driver
+    struct hal_pwm step_hal;
     const struct hal_pwm *hal;
     bool lost;
 };
@@ -66,6 +82,9 @@ void rig_devices_close(struct rig_devices *devices);
 
 /// Moves what is under way on USB. At every tick.
 void rig_devices_tick(struct rig_devices *devices);
+
+/// How far edges on GPIO lines were off so far, in ns; count 0: there are none.
+struct linux_jitter rig_devices_jitter(struct rig_devices *devices);
 
 /// Looks whether a device has left since the last call. Returns its line, once for each loss; NULL:
 /// none has.

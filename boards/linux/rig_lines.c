@@ -60,55 +60,46 @@ bool rig_line_parse(const char *text, char *chip, uint32_t *number, struct hal_g
 
 // ---------------------------------------------------------------- opening
 
-struct opening {
-    struct rig_lines *lines;
-    const struct rig *rig;
-    struct hal_gpio_line row[RIG_LINES_MAX];
-    struct linux_gpio_pin pin[RIG_LINES_MAX];
-    char chip[RIG_LINES_MAX][LINUX_GPIO_NAME_BYTES];
-};
-
-static bool add(struct opening *opening, const char *section, const char *key, const char *text,
-                const struct rig_line *line) {
+static bool add(struct rig_lines *lines, const struct rig *rig, const char *section,
+                const char *key, const char *text, const struct rig_line *line) {
     if (text == NULL || text[0] == '\0') {
         return true;
     }
-    const uint32_t at = opening->lines->count;
-    opening->row[at].direction = line->output ? HAL_GPIO_OUTPUT : HAL_GPIO_INPUT;
+    const uint32_t at = lines->count;
+    lines->row[at].direction = line->output ? HAL_GPIO_OUTPUT : HAL_GPIO_INPUT;
     if (strlen(text) >= LINUX_GPIO_NAME_BYTES ||
-        !rig_line_parse(text, opening->chip[at], &opening->pin[at].offset, &opening->row[at])) {
-        ini_complain(&opening->rig->ini, section, "", key,
+        !rig_line_parse(text, lines->chip[at], &lines->pin[at].offset, &lines->row[at])) {
+        ini_complain(&rig->ini, section, "", key,
                      "is no line; write CHIP:NUMBER, as gpiochip0:17:up");
         return false;
     }
-    opening->pin[at].chip = opening->chip[at];
-    opening->lines->line[at] = *line;
-    opening->lines->count++;
+    lines->pin[at].chip = lines->chip[at];
+    lines->line[at] = *line;
+    lines->count++;
     return true;
 }
 
 enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig) {
     memset(lines, 0, sizeof *lines);
-    struct opening opening = {.lines = lines, .rig = rig};
     lines->debounce_us = rig->debounce_us;
-    const bool good = add(&opening, "safety", "estop", rig->estop,
+    const bool good = add(lines, rig, "safety", "estop", rig->estop,
                           &(struct rig_line){.what = "emergency stop", .is_stop = true}) &&
-                      add(&opening, "safety", "enable", rig->enable,
+                      add(lines, rig, "safety", "enable", rig->enable,
                           &(struct rig_line){.what = "enable", .output = true}) &&
-                      add(&opening, "pan", "switch_min", rig->limit_switch[0][0],
+                      add(lines, rig, "pan", "switch_min", rig->limit_switch[0][0],
                           &(struct rig_line){.what = "pan switch_min"}) &&
-                      add(&opening, "pan", "switch_max", rig->limit_switch[0][1],
+                      add(lines, rig, "pan", "switch_max", rig->limit_switch[0][1],
                           &(struct rig_line){.what = "pan switch_max"}) &&
-                      add(&opening, "tilt", "switch_min", rig->limit_switch[1][0],
+                      add(lines, rig, "tilt", "switch_min", rig->limit_switch[1][0],
                           &(struct rig_line){.what = "tilt switch_min"}) &&
-                      add(&opening, "tilt", "switch_max", rig->limit_switch[1][1],
+                      add(lines, rig, "tilt", "switch_max", rig->limit_switch[1][1],
                           &(struct rig_line){.what = "tilt switch_max"});
     if (!good) {
         lines->count = 0;
         return EXIT_STATUS_USAGE;
     }
     if (lines->count > 0U &&
-        linux_gpio_open(&lines->gpio, opening.row, opening.pin, lines->count) != HAL_OK) {
+        linux_gpio_open(&lines->gpio, lines->row, lines->pin, lines->count) != HAL_OK) {
         message_at(rig->ini.file, 0, "%s", lines->gpio.error.line);
         lines->count = 0;
         return EXIT_STATUS_DEVICE;
@@ -124,6 +115,17 @@ void rig_lines_close(struct rig_lines *lines) {
     }
 }
 
+bool rig_lines_lost(const struct rig_lines *lines) {
+    return lines->told_lost;
+}
+
+bool rig_lines_mend(struct rig_lines *lines) {
+    linux_gpio_close(&lines->gpio);
+    lines->told_lost =
+        linux_gpio_open(&lines->gpio, lines->row, lines->pin, lines->count) != HAL_OK;
+    return !lines->told_lost;
+}
+
 // ---------------------------------------------------------------- use
 
 struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us) {
@@ -131,13 +133,13 @@ struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us) 
     for (uint32_t i = 0; i < lines->count; i++) {
         struct rig_line *line = &lines->line[i];
         bool reading = true;
-        if (line->output) {
-            continue;
-        }
         if (hal_gpio_read(&lines->gpio.hal, i, &reading) != HAL_OK) {
             reading = true; // the worst
             state.lost = lines->told_lost ? NULL : lines->gpio.error.line;
             lines->told_lost = true;
+        }
+        if (line->output) {
+            continue; // read to notice that the chip has left
         }
         const uint64_t press_us = line->is_stop ? 0U : lines->debounce_us;
         if (debounce_update(&line->debounce, reading, now_us, press_us, lines->debounce_us)) {

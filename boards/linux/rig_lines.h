@@ -38,6 +38,10 @@ struct rig_lines {
     } line[RIG_LINES_MAX];
     uint64_t debounce_us;
     bool told_lost;
+    // As opened, to open them again.
+    struct hal_gpio_line row[RIG_LINES_MAX];
+    struct linux_gpio_pin pin[RIG_LINES_MAX];
+    char chip[RIG_LINES_MAX][LINUX_GPIO_NAME_BYTES];
 };
 
 /// What the lines ask for.
@@ -54,6 +58,11 @@ bool rig_line_parse(const char *text, char *chip, uint32_t *number, struct hal_g
 /// stderr.
 enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig);
 void rig_lines_close(struct rig_lines *lines);
+
+/// Has a line been lost? rig_lines_mend tries to open them all again, and returns whether they are
+/// there.
+bool rig_lines_lost(const struct rig_lines *lines);
+bool rig_lines_mend(struct rig_lines *lines);
 
 struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us);
 

@@ -7,7 +7,7 @@
 #define TURN_Q48 (UINT64_C(1) << 48)
 #define TURN_BAM (UINT64_C(1) << 32)
 
-static const char *const drives[] = {"rmd", "pwm", "fake", "uvc", NULL};
+static const char *const drives[] = {"rmd", "pwm", "fake", "uvc", "step", NULL};
 static const char *const zoom_drives[] = {"pwm", "uvc", NULL};
 static const char *const builds[] = {"same", "any", NULL};
 static const char *const dialects[] = {"v3", "lktech", NULL};
@@ -59,6 +59,7 @@ static const struct ini_key axis_keys[] = {
      .choices = drives,
      AXIS(drive),
      .help = "rmd: MyActuator servo on CAN; pwm: hobby servo; uvc: a camera that turns itself; "
+             "step: a stepper driver with STEP and DIR; "
              "fake: an rmd drive of the simulator"},
     {.name = "bus",
      .type = INI_TEXT,
@@ -95,15 +96,32 @@ static const struct ini_key axis_keys[] = {
      .type = INI_TEXT,
      .fallback = "fake",
      AXIS(device),
-     .help = "pwm: pwmchipN, maestro, maestro:SERIAL; uvc: /dev/videoN or the camera's name; or "
-             "fake for the simulator's"},
+     .help =
+         "pwm: pwmchipN, maestro, maestro:SERIAL, gpio:CHIP; step: gpio:CHIP; uvc: /dev/videoN or "
+         "the camera's name; or "
+         "fake for the simulator's"},
     {.name = "channel",
      .type = INI_WHOLE,
      .fallback = "0",
      .min = "0",
      .max = "63",
      AXIS(channel),
-     .help = "pwm: number of the output"},
+     .help = "pwm: number of the output, of gpio:CHIP its line; step: the line of STEP"},
+    {.name = "direction_channel",
+     .type = INI_WHOLE,
+     .fallback = "0",
+     .min = "0",
+     .max = "63",
+     AXIS(direction_channel),
+     .help = "step: the line of DIR, high toward larger angles"},
+    {.name = "steps_per_deg",
+     .type = INI_DECIMAL,
+     .fallback = "0",
+     .min = "0",
+     .max = "100000",
+     .numerator = 1000000,
+     AXIS(steps_per_deg_micro),
+     .help = "step: microsteps a degree of the axis"},
     {.name = "calibration_deg",
      .type = INI_DECIMAL_LIST,
      .fallback = "-60, 60",
@@ -141,7 +159,8 @@ static const struct ini_key axis_keys[] = {
      .max = "3600",
      DEGREES_Q48,
      AXIS(home_q48),
-     .help = "pwm, uvc: where it goes when it is first powered"},
+     .help =
+         "pwm, uvc: where it goes when it is first powered; step: where it stands at the start"},
     {.name = "speed_max_dps",
      .type = INI_DECIMAL,
      .min = "0.001",

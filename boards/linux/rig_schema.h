@@ -20,6 +20,7 @@ struct rig_axis {
     int64_t speed_q48, accel_q48, jerk_q48; ///< per second, per second^2, per second^3
     int64_t channel;
     struct ini_numbers calibration_q48, calibration_ns;
+    int64_t direction_channel, steps_per_deg_micro;
     int64_t latency_us; ///< as measured; 0: not yet
     struct ini_numbers move_mdeg, move_ms;
 };
@@ -67,7 +68,7 @@ struct rig_file {
     struct rig_safety safety;
 };
 
-enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE, RIG_DRIVE_UVC };
+enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE, RIG_DRIVE_UVC, RIG_DRIVE_STEP };
 enum rig_zoom_drive { RIG_ZOOM_PWM, RIG_ZOOM_UVC };
 
 enum rig_board_build { RIG_BOARD_SAME, RIG_BOARD_ANY };

@@ -13,12 +13,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define JOURNAL      "/run/systemd/journal/socket"
 #define TEXT_BYTES   512
 #define RECORD_BYTES (6 * TEXT_BYTES + 128)
 
+const char *run_log_journal = "/run/systemd/journal/socket";
+
 static int open_journal(void) {
-    const struct sockaddr_un address = {.sun_family = AF_UNIX, .sun_path = JOURNAL};
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", run_log_journal);
     const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
         const int why = errno;
@@ -39,7 +41,7 @@ bool run_log_open(struct run_log *log, const char *target, uint64_t start_us) {
                   ? open_journal()
                   : open(target, O_WRONLY | O_APPEND | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0644);
     if (log->fd < 0) {
-        message_at(log->is_journal ? JOURNAL : target, 0, "%s", strerror(errno));
+        message_at(log->is_journal ? run_log_journal : target, 0, "%s", strerror(errno));
         return false;
     }
     return true;

@@ -3,7 +3,8 @@
 /// A line of a file is a JSON object: {"t_s": 1.234, "event": "mode", "text": "tracking"}, t_s
 /// since the start. In the journal an entry has the text as MESSAGE and the event as
 /// BORESIGHT_EVENT. The control never waits for it: what can't be written is counted and dropped.
-/// Shown: tests/scenario/test_run_log.c.
+/// Shown: tests/scenario/test_run_log.c,
+/// tests/vm/guest/run.sh.
 #ifndef LINUX_RUN_LOG_H
 #define LINUX_RUN_LOG_H
 
@@ -17,6 +18,9 @@ struct run_log {
     uint64_t start_us;
     uint64_t dropped;
 };
+
+/// Where the journal listens. Tests have one of their own.
+extern const char *run_log_journal;
 
 /// target: a file, which is appended to, or "journal"; NULL: no log. start_us: event_loop_now_us().
 /// False: told on stderr why not.

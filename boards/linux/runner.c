@@ -263,24 +263,35 @@ static void look_after_camera(struct runner *runner) {
     }
 }
 
+/// Are they all there? Tries to open what is missing.
+static bool mend(struct runner *runner) {
+    const bool lines = !rig_lines_lost(&runner->lines) || rig_lines_mend(&runner->lines);
+    const bool devices = runner->sim != NULL || !rig_devices_incomplete(&runner->devices) ||
+                         rig_devices_mend(&runner->devices);
+    return lines && devices;
+}
+
 static void look_after_devices(struct runner *runner) {
-    if (runner->sim != NULL) {
-        return;
-    }
-    rig_devices_tick(&runner->devices);
-    const char *lost = rig_devices_newly_lost(&runner->devices);
-    if (lost != NULL) {
-        tell(runner, true, "device", "%s", lost);
-        runner->device_failed = true;
-        pump_command(runner->pump, COMMAND_STOP);
+    if (runner->sim == NULL) {
+        rig_devices_tick(&runner->devices);
+        const char *lost = rig_devices_newly_lost(&runner->devices);
+        if (lost != NULL) {
+            tell(runner, true, "device", "%s", lost);
+            runner->device_failed = true;
+            pump_command(runner->pump, COMMAND_STOP);
+        }
     }
     const uint64_t now_us = event_loop_now_us();
     if (now_us - runner->looked_us < LOOK_EVERY_US) {
         return;
     }
     runner->looked_us = now_us;
-    look_for_answers(runner, now_us);
-    if (rig_devices_incomplete(&runner->devices) && rig_devices_mend(&runner->devices)) {
+    if (runner->sim == NULL) {
+        look_for_answers(runner, now_us);
+    }
+    const bool missing = rig_lines_lost(&runner->lines) ||
+                         (runner->sim == NULL && rig_devices_incomplete(&runner->devices));
+    if (missing && mend(runner)) {
         runner->device_failed = false;
         tell(runner, false, "device", "all devices are there again");
     }

@@ -18,7 +18,7 @@ static void print_summary(const struct sim *sim, const struct event_loop *loop, 
     facts_begin(&facts, stdout, as_json);
     facts_fixed(&facts, "seconds", (double)sim->time_us * 1e-6, 3);
     facts_u64(&facts, "steps", sim->tick);
-    facts_u64(&facts, "late_us_max", loop->jitter.max_us);
+    facts_u64(&facts, "late_us_max", loop->jitter.max);
     facts_u64(&facts, "frames_in", sim->served.frames_in);
     facts_u64(&facts, "frames_out", sim->served.frames_out);
     facts_u64(&facts, "frames_lost", sim->served.frames_lost);

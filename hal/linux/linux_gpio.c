@@ -49,7 +49,7 @@ static enum hal_status linux_gpio_write(void *ctx, uint32_t line, bool active) {
 
 // ---------------------------------------------------------------- opening
 
-static enum hal_status explain_busy(struct linux_gpio *gpio, const struct linux_gpio_pin *pin,
+static enum hal_status explain_busy(struct linux_error *error, const struct linux_gpio_pin *pin,
                                     const char *name) {
     char consumer[40], reason[80];
     if (linux_gpiod_consumer(pin->chip, pin->offset, consumer, sizeof consumer)) {
@@ -57,33 +57,42 @@ static enum hal_status explain_busy(struct linux_gpio *gpio, const struct linux_
     } else {
         snprintf(reason, sizeof reason, "in use");
     }
-    linux_error_set(&gpio->error, name, reason,
+    linux_error_set(error, name, reason,
                     "end that program, or take the overlay that claims it out of the device tree");
     return HAL_ERROR_DENIED;
 }
 
-static enum hal_status open_failed(struct linux_gpio *gpio, const struct linux_gpio_pin *pin,
+static enum hal_status open_failed(struct linux_error *error, const struct linux_gpio_pin *pin,
                                    const char *name, enum linux_gpiod_step step) {
     char path[LINUX_GPIO_NAME_BYTES + 8];
     snprintf(path, sizeof path, "%s%.60s", pin->chip[0] == '/' ? "" : "/dev/", pin->chip);
     if (step == LINUX_GPIOD_CHIP) {
-        return linux_error_from_errno(&gpio->error, path, errno,
-                                      "`boresight probe` lists the GPIO chips");
+        return linux_error_from_errno(error, path, errno, "`boresight probe` lists the GPIO chips");
     }
     if (step == LINUX_GPIOD_LINE || errno == EINVAL) {
-        linux_error_set(&gpio->error, name, "the chip has no such line",
+        linux_error_set(error, name, "the chip has no such line",
                         "`boresight probe` tells how many it has");
         return HAL_ERROR_ARGUMENT;
     }
     if (errno == EBUSY) {
-        return explain_busy(gpio, pin, name);
+        return explain_busy(error, pin, name);
     }
     if (errno == ENOTSUP || errno == EOPNOTSUPP) {
-        linux_error_set(&gpio->error, name, "the chip can't do that pull",
+        linux_error_set(error, name, "the chip can't do that pull",
                         "leave it out of the rig file and use a resistor");
         return HAL_ERROR_UNSUPPORTED;
     }
-    return linux_error_from_errno(&gpio->error, path, errno, NULL);
+    return linux_error_from_errno(error, path, errno, NULL);
+}
+
+enum hal_status linux_gpio_request(const struct linux_gpio_pin *pin,
+                                   const struct hal_gpio_line *line, void **held,
+                                   struct linux_error *error) {
+    char name[LINUX_GPIO_NAME_BYTES];
+    enum linux_gpiod_step step;
+    snprintf(name, sizeof name, "%.48s:%u", pin->chip, (unsigned)pin->offset);
+    *held = linux_gpiod_request(pin->chip, pin->offset, line, &step);
+    return *held != NULL ? HAL_OK : open_failed(error, pin, name, step);
 }
 
 static const struct hal_gpio_ops ops = {linux_gpio_read, linux_gpio_write};
@@ -98,13 +107,12 @@ enum hal_status linux_gpio_open(struct linux_gpio *gpio, const struct hal_gpio_l
         return HAL_ERROR_ARGUMENT;
     }
     for (uint32_t i = 0; i < count; i++) {
-        enum linux_gpiod_step step;
         snprintf(gpio->names[i], sizeof gpio->names[i], "%.48s:%u", pins[i].chip,
                  (unsigned)pins[i].offset);
         gpio->lines[i] = lines[i];
-        gpio->held[i] = linux_gpiod_request(pins[i].chip, pins[i].offset, &lines[i], &step);
-        if (gpio->held[i] == NULL) {
-            const enum hal_status status = open_failed(gpio, &pins[i], gpio->names[i], step);
+        const enum hal_status status =
+            linux_gpio_request(&pins[i], &lines[i], &gpio->held[i], &gpio->error);
+        if (status != HAL_OK) {
             linux_gpio_close(gpio);
             return status;
         }
@@ -154,14 +162,35 @@ const char *linux_gpio_library(void) {
 
 #else
 
+static enum hal_status refuse(const char *chip, struct linux_error *error) {
+    linux_error_set(error, chip, "this program was built without libgpiod",
+                    "install libgpiod-dev and build it again");
+    return HAL_ERROR_UNSUPPORTED;
+}
+
+enum hal_status linux_gpio_request(const struct linux_gpio_pin *pin,
+                                   const struct hal_gpio_line *line, void **held,
+                                   struct linux_error *error) {
+    (void)line;
+    *held = NULL;
+    return refuse(pin->chip, error);
+}
+
+void linux_gpiod_release(void *held) {
+    (void)held;
+}
+
+int linux_gpiod_set(void *held, bool active) {
+    (void)held;
+    (void)active;
+    return -1;
+}
+
 enum hal_status linux_gpio_open(struct linux_gpio *gpio, const struct hal_gpio_line *lines,
                                 const struct linux_gpio_pin *pins, uint32_t count) {
     (void)lines;
     memset(gpio, 0, sizeof *gpio);
-    linux_error_set(&gpio->error, count > 0U ? pins[0].chip : "GPIO",
-                    "this program was built without libgpiod",
-                    "install libgpiod-dev and build it again");
-    return HAL_ERROR_UNSUPPORTED;
+    return refuse(count > 0U ? pins[0].chip : "GPIO", &gpio->error);
 }
 
 void linux_gpio_close(struct linux_gpio *gpio) {

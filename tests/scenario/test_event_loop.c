@@ -29,7 +29,7 @@ static void ticks_keep_the_time(void) {
         CHECK(passed_us >= told * 5000U);
     }
     CHECK_EQ(loop.jitter.count + loop.missed_ticks, told);
-    CHECK(jitter_quantile_us(&loop.jitter, 1) < 5000U); // the best of them, on any machine
+    CHECK(linux_jitter_quantile(&loop.jitter, 1) < 5000U); // the best of them, on any machine
     event_loop_close(&loop);
 }
 
@@ -43,7 +43,7 @@ static void late_ticks_are_counted(void) {
     const uint64_t due = event_loop_tick(&loop, &raised);
     CHECK(due >= 5U);
     CHECK(loop.missed_ticks >= missed + 4U);
-    CHECK(loop.jitter.max_us >= 20000U); // the first of them is 21 ms late
+    CHECK(loop.jitter.max >= 20000U); // the first of them is 21 ms late
     event_loop_close(&loop);
 }
 
@@ -99,16 +99,16 @@ static void descriptors_are_watched(void) {
 
 /// By hand: 90 ticks in the bucket up to 10 us, 9 up to 30 us, 1 beyond all.
 static void quantiles(void) {
-    struct jitter jitter = {.count = 100, .over = 1, .max_us = 31000};
-    CHECK_EQ(jitter_quantile_us(&(struct jitter){.count = 0}, 500), 0);
+    struct linux_jitter jitter = {.step = 10, .count = 100, .over = 1, .max = 31000};
+    CHECK_EQ(linux_jitter_quantile(&(struct linux_jitter){.count = 0}, 500), 0);
     jitter.bucket[0] = 90;
     jitter.bucket[2] = 9;
-    CHECK_EQ(jitter_quantile_us(&jitter, 500), 10);
-    CHECK_EQ(jitter_quantile_us(&jitter, 900), 10);
-    CHECK_EQ(jitter_quantile_us(&jitter, 901), 30);
-    CHECK_EQ(jitter_quantile_us(&jitter, 990), 30);
-    CHECK_EQ(jitter_quantile_us(&jitter, 991), 31000);
-    CHECK_EQ(jitter_quantile_us(&jitter, 1000), 31000);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 500), 10);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 900), 10);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 901), 30);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 990), 30);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 991), 31000);
+    CHECK_EQ(linux_jitter_quantile(&jitter, 1000), 31000);
 }
 
 int main(void) {

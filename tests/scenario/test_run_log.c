@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 static char path[] = "/tmp/boresight-log-XXXXXX";
@@ -85,6 +87,43 @@ static void no_log_and_no_place_for_one(void) {
     run_log_close(&log);
 }
 
+/// A socket that stands where the journal's does.
+static void journal_gets_fields(void) {
+    char folder[] = "/tmp/boresight-journal-XXXXXX", text[4096];
+    CHECK(mkdtemp(folder) != NULL);
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    snprintf(address.sun_path, sizeof address.sun_path, "%s/socket", folder);
+    struct run_log log;
+    run_log_journal = address.sun_path;
+    message_stream(stdout); // what is said of the first try is not the test's
+    CHECK(!run_log_open(&log, "journal", event_loop_now_us())); // nobody listens
+    message_stream(NULL);
+    const int journal = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    CHECK_EQ(bind(journal, (const struct sockaddr *)&address, sizeof address), 0);
+    CHECK(run_log_open(&log, "journal", event_loop_now_us()));
+    run_log_event(&log, false, "mode", "%s", "tracking");
+    ssize_t size = recv(journal, text, sizeof text - 1U, 0);
+    text[size > 0 ? size : 0] = '\0';
+    CHECK(strcmp(text, "PRIORITY=6\nSYSLOG_IDENTIFIER=boresight\nBORESIGHT_EVENT=mode\n"
+                       "MESSAGE=tracking\n") == 0);
+    run_log_event(&log, true, "fault", "two\nlines=no field"); // must not begin a field
+    size = recv(journal, text, sizeof text - 1U, 0);
+    text[size > 0 ? size : 0] = '\0';
+    CHECK(strcmp(text, "PRIORITY=3\nSYSLOG_IDENTIFIER=boresight\nBORESIGHT_EVENT=fault\n"
+                       "MESSAGE=two lines=no field\n") == 0);
+    CHECK_EQ(log.dropped, 0);
+    for (int i = 0; i < 5000; i++) { // a journal that is stuck holds nobody up
+        run_log_event(&log, false, "mode", "%d", i);
+    }
+    CHECK(log.dropped > 0U);
+    close(journal);
+    const uint64_t dropped = log.dropped;
+    run_log_event(&log, false, "mode", "gone"); // and one that has ended
+    CHECK_EQ(log.dropped, dropped + 1U);
+    run_log_close(&log);
+    CHECK(unlink(address.sun_path) == 0 && rmdir(folder) == 0);
+}
+
 int main(void) {
     const int fd = mkstemp(path);
     if (fd < 0) {
@@ -95,5 +134,6 @@ int main(void) {
     TEST(full_disk_is_counted);
     TEST(no_log_and_no_place_for_one);
     unlink(path);
+    TEST(journal_gets_fields);
     return check_finish();
 }

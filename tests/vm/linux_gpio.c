@@ -2,12 +2,15 @@
 #include "linux/linux_gpio.h"
 #include "contract/support/contract.h"
 #include "contract/support/gpio_suite.h"
+#include "linux/linux_gpio_pulses.h"
+#include "linux/linux_gpio_steps.h"
 #include "vm/support/shell.h"
 #include "vm/support/sim_gpio.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static struct linux_gpio gpio;
 static struct linux_gpio_pin pins[GPIO_SUITE_LINES];
@@ -85,6 +88,90 @@ static void chips_have_two_names(void) {
     CHECK(listed);
 }
 
+// ---------------------------------------------------------------- pulses and steps, in real time
+
+/// Nothing is claimed of times in an emulated machine: what is given is counted, and how late it
+/// was is printed.
+static void pulses_come_out(void) {
+    static struct linux_gpio_pulses pulses;
+    static const uint32_t channels[] = {9, 10};
+    linux_gpio_close(&gpio);
+    CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 2), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 9, 1500000), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 10, 0), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 11, 0), HAL_ERROR_ARGUMENT);
+    bool high = false, silent = true;
+    struct linux_jitter jitter = {.step = 1000};
+    for (int i = 0; i < 60000 && (!high || jitter.count < 50U); i++) {
+        high = sim_gpio_is_high(9) || high;
+        silent = silent && !sim_gpio_is_high(10);
+        jitter = (struct linux_jitter){.step = 1000};
+        linux_gpio_pulses_jitter(&pulses, &jitter);
+        usleep(500);
+    }
+    CHECK(high && silent && jitter.count >= 50U);
+    check_note("pulses, in the emulator", (int64_t)jitter.count);
+    check_note("ns too long: half of them at most", (int64_t)linux_jitter_quantile(&jitter, 500));
+    check_note("ns too long: 99 % at most", (int64_t)linux_jitter_quantile(&jitter, 990));
+    check_note("ns too long: all at most", (int64_t)jitter.max);
+    linux_gpio_pulses_close(&pulses);
+    const uint32_t once[] = {9};
+    CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, once, 1), HAL_OK); // given back
+    CHECK(!sim_gpio_is_high(9));
+    linux_gpio_pulses_close(&pulses);
+}
+
+static void steps_come_out(void) {
+    static struct linux_gpio_steps steps;
+    CHECK_EQ(linux_gpio_steps_open(&steps, chip, 11, 12, 2000, 100), HAL_OK);
+    CHECK_EQ(linux_gpio_steps_go(&steps, 400), HAL_OK);
+    for (int i = 0; i < 60000 && linux_gpio_steps_position(&steps) != 400; i++) {
+        usleep(500);
+    }
+    CHECK_EQ(linux_gpio_steps_position(&steps), 400);
+    CHECK(sim_gpio_is_high(12)); // forward
+    CHECK_EQ(linux_gpio_steps_go(&steps, 0), HAL_OK);
+    for (int i = 0; i < 60000 && linux_gpio_steps_position(&steps) != 0; i++) {
+        usleep(500);
+    }
+    CHECK_EQ(linux_gpio_steps_position(&steps), 0);
+    CHECK(!sim_gpio_is_high(12));
+    struct linux_jitter jitter = {.step = 1000};
+    linux_gpio_steps_jitter(&steps, &jitter);
+    CHECK_EQ(jitter.count, 700);
+    check_note("ns late: 99 % of the steps at most", (int64_t)linux_jitter_quantile(&jitter, 990));
+    linux_gpio_steps_close(&steps);
+}
+
+/// The chip is taken away from under everything that holds its lines, and comes back.
+static void chip_leaves_and_returns(void) {
+    static struct linux_gpio_pulses pulses;
+    static const uint32_t channels[] = {9};
+    reset(NULL);
+    CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 1), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 9, 1500000), HAL_OK);
+    sim_gpio_remove();
+    bool active;
+    CHECK_EQ(hal_gpio_read(&gpio.hal, 0, &active), HAL_ERROR_GONE);
+    CHECK(strstr(gpio.error.line, ": the chip has gone; was its adapter unplugged?") != NULL);
+    CHECK_EQ(hal_gpio_write(&gpio.hal, 2, true), HAL_ERROR_GONE);
+    struct hal_pwm_limits limits;
+    int tries = 60000;
+    while (tries > 0 && hal_pwm_limits(&pulses.hal, 9, &limits) != HAL_ERROR_GONE) {
+        usleep(500);
+        tries--;
+    }
+    CHECK(tries > 0);
+    linux_gpio_pulses_close(&pulses);
+    linux_gpio_close(&gpio);
+    CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, pins, GPIO_SUITE_LINES), HAL_ERROR_GONE);
+    sim_gpio_create(16, chip, sizeof chip);
+    reset(NULL);
+    CHECK_EQ(hal_gpio_read(&gpio.hal, 0, &active), HAL_OK);
+    CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 1), HAL_OK);
+    linux_gpio_pulses_close(&pulses);
+}
+
 int main(void) {
     sim_gpio_create(16, chip, sizeof chip);
     for (uint32_t i = 0; i < GPIO_SUITE_LINES; i++) {
@@ -105,6 +192,9 @@ int main(void) {
     CONTRACT("linux_gpio", refusals_say_what_to_do);
     CONTRACT("linux_gpio", lines_are_given_back);
     CONTRACT("linux_gpio", chips_have_two_names);
+    CONTRACT("linux_gpio", pulses_come_out);
+    CONTRACT("linux_gpio", steps_come_out);
+    CONTRACT("linux_gpio", chip_leaves_and_returns);
     linux_gpio_close(&gpio);
     sim_gpio_remove();
     return check_finish();

@@ -105,6 +105,46 @@ wait $runner
 [ $? -eq 5 ]
 verdict rig.emergency_stop_is_status_5 $? "$work/run.err"
 
+# ---------------------------------------------------------------- servo and stepper on plain lines; a chip that leaves
+pull 1 pull-down
+awk '/^\[/ { section = $1 } section == "[pan]" && /^device/ { print "device = gpio:rig-lines"; next }
+    section == "[pan]" && /^channel/ { print "channel = 4"; next }
+    section == "[tilt]" && /^drive/ { print "drive = step"; next }
+    section == "[tilt]" && /^device/ { print "device = gpio:rig-lines"; next }
+    section == "[tilt]" && /^channel/ { print "channel = 5\ndirection_channel = 6\nsteps_per_deg = 20"; next }
+    section == "[tilt]" && /^switch|^calibration/ { next }
+    { print }' "$work/rig.ini" >"$work/lines.ini" && mv "$work/lines.ini" "$work/rig.ini"
+"$boresight" config check "$work/rig.ini" >"$work/check"
+verdict rig.plain_lines_in_a_rig_file $? "$work/rig.ini" "$work/check"
+start --arm --stay
+until_true 30 says 'run: tracking'
+verdict rig.runs_on_plain_lines $? "$work/run.err"
+ever_high() { for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do is "$1" 1 && return 0; done; return 1; }
+until_true 30 ever_high 4
+verdict rig.servo_pulses_come_out $?
+echo 0 >$bank/live
+until_true 30 says 'the chip has gone'
+verdict rig.tells_that_the_chip_has_left $? "$work/run.err"
+echo 1 >$bank/live
+pins=/sys/devices/platform/$(cat $bank/dev_name)/$(cat $bank/bank0/chip_name)
+pull 1 pull-down
+until_true 30 says 'all devices are there again'
+verdict rig.opens_the_chip_again $? "$work/run.err"
+until_true 30 says 'emergency stop is released'
+kill -USR1 $runner
+until_true 30 says 'run: tracking' 2
+verdict rig.goes_on_after_the_chip_came_back $? "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ]
+verdict rig.ends_well_on_plain_lines $? "$work/run.err"
+for name in edge_late_us_p50 edge_late_us_p99 edge_late_us_max; do
+    value=$(sed -n "s/.*\"$name\": \([0-9.]*\).*/\1/p" "$work/run.json")
+    echo "# edges in the emulator: $name $value"
+    [ -n "$value" ]
+    verdict rig.prints_$name $? "$work/run.json"
+done
+
 unplug
 echo 0 >$bank/live
 rmdir $bank/bank0 $bank

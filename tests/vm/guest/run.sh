@@ -153,3 +153,22 @@ wait $runner
 [ $? -eq 4 ]
 verdict run.a_lost_interface_is_status_4 $? "$work/run.err"
 wait $server
+
+# ---------------------------------------------------------------- the journal: a socket where it would stand
+mkdir -p /run/systemd/journal
+python3 -c '
+import socket
+journal = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+journal.bind("/run/systemd/journal/socket")
+print("listening", flush=True)
+while True:
+    print(journal.recv(65536).decode(), flush=True)' >"$work/journal" 2>&1 &
+journal=$!
+until_true 200 grep -q listening "$work/journal"
+"$boresight" run host-sim/rigs/studio.ini --json --arm --seconds 1 --log journal >"$work/run.json" 2>"$work/run.err"
+[ $? -eq 0 ] && grep -q '"log_dropped": 0' "$work/run.json"
+verdict run.logs_to_the_journal $? "$work/run.err" "$work/run.json"
+until_true 30 grep -q '^MESSAGE=exit status 0$' "$work/journal" && grep -q '^SYSLOG_IDENTIFIER=boresight$' "$work/journal" &&
+    grep -q '^BORESIGHT_EVENT=mode$' "$work/journal"
+verdict run.journal_has_the_events $? "$work/journal"
+kill $journal
