@@ -172,7 +172,8 @@ static void move_targets(struct sim *sim) {
         }
         update.position_um = schedule_mover_position_um(mover, sim->time_us);
         sim_measure_update(sim, &update);
-        if ((sim->time_us - mover->from_us) % mover->period_us == 0U) {
+        if (sim->config.camera == NULL &&
+            (sim->time_us - mover->from_us) % mover->period_us == 0U) {
             update.position_um.x = blur_um(sim, update.position_um.x, mover->noise_m);
             update.position_um.y = blur_um(sim, update.position_um.y, mover->noise_m);
             update.position_um.z = blur_um(sim, update.position_um.z, mover->noise_m);
@@ -181,8 +182,12 @@ static void move_targets(struct sim *sim) {
     }
 }
 
+bool sim_hear(struct sim *sim, const struct target_update *update) {
+    return give(sim, update);
+}
+
 bool sim_push(struct sim *sim, const struct target_update *update) {
-    if (!give(sim, update)) {
+    if (sim->config.camera == NULL && !give(sim, update)) {
         return false;
     }
     sim_measure_update(sim, update);
@@ -266,6 +271,9 @@ void sim_step(struct sim *sim) {
     const struct sim_board *board = sim->config.board;
     const uint32_t tick_us = sim->config.controller->tick_us;
     feed(sim);
+    if (sim->config.camera != NULL) {
+        sim->config.camera->step(sim->config.camera->context, sim);
+    }
     if (board != NULL) {
         board->run(board->context, (sim->time_us + tick_us) * 1000U);
     } else {

@@ -57,6 +57,14 @@ struct sim_obstacles {
     } group[OCCLUSION_GROUPS_MAX];
 };
 
+/// What the controller hears of the targets from, instead of from the schedule: a camera on the
+/// gimbal. It looks at the truth (sim_observe, sim->measure.truth) and tells by sim_hear.
+struct sim_camera {
+    /// Before each step of the controller.
+    void (*step)(void *context, struct sim *sim);
+    void *context;
+};
+
 struct sim_config {
     const struct controller_config *controller;
     const struct schedule *schedule;
@@ -68,6 +76,7 @@ struct sim_config {
     double start_deg[2];                   ///< pan and tilt at power-on
     double fixed_focal_mm;                 ///< of the camera when there is no zoom axis
     const struct sim_board *board;         ///< NULL: the simulator runs the controller
+    const struct sim_camera *camera;       ///< NULL: the controller hears of every target
     const struct sim_obstacles *obstacles; ///< NULL: nothing hides anything
     struct recorder *recorder; ///< gets every tick's input and output; NULL: nobody does
 };
@@ -202,6 +211,9 @@ void sim_serve_step(struct sim *sim, const struct hal_can *outside);
 /// Besides the schedule: an update for the next tick, from outside. False: the pump's queue is
 /// full, try after a tick.
 bool sim_push(struct sim *sim, const struct target_update *update);
+
+/// From a camera: what it takes for a target. The truth stays as it is. False: as for sim_push.
+bool sim_hear(struct sim *sim, const struct target_update *update);
 
 /// From a board: its controller begins (again), with these settings, which must last.
 void sim_board_start(struct sim *sim, const struct controller_config *config);

@@ -33,7 +33,7 @@ $(B)/check/script/tests/mcu/rp2040/pico.log: $(pico_files) $(B)/gcc/tests/mcu/rp
 
 $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 
-$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/drive.log): $(foreach v,$(variants),$(B)/$(v)/boresight)
+$(foreach d,script script-san,$(foreach t,drive camera_loop,$(B)/check/$(d)/tests/cli/$(t).log)): $(foreach v,$(variants),$(B)/$(v)/boresight)
 
 $(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t).log): \
     $(foreach r,/hobby /moving /watch /slew,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(B)/boards/stm32f405/scene/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)

@@ -1,6 +1,7 @@
 #include "scenario.h"
 
 #include "ini_schema.h"
+#include "scenario_movers.h"
 #include "scenario_targets.h"
 #include "scenario_world.h"
 
@@ -25,12 +26,6 @@ struct scenario_targets {
     struct box_camera boxes;
 };
 
-struct scenario_mover {
-    const char *label;
-    int64_t id, from_us, until_us, period_us, radius_um, phase_mdeg, turn_mdps, noise_um;
-    struct ini_numbers start_um, velocity_umps;
-};
-
 struct scenario_event {
     const char *label;
     int64_t at_us;
@@ -41,6 +36,8 @@ struct scenario_file {
     struct scenario_run run;
     bool has_targets, has_occlusion;
     struct scenario_targets targets;
+    bool has_camera;
+    struct scenario_camera_keys camera;
     uint32_t mover_count, event_count;
     struct scenario_mover mover[MOVERS_MOST];
     struct scenario_event event[SCENARIO_EVENTS_MAX];
@@ -190,87 +187,6 @@ static const struct ini_key target_keys[] = {
      .help = "boxes: time between frames"},
 };
 
-#define MOVER(member) .offset = offsetof(struct scenario_mover, member)
-static const struct ini_key mover_keys[] = {
-    {.name = "id",
-     .type = INI_WHOLE,
-     .min = "0",
-     .max = "4294967295",
-     MOVER(id),
-     .help = "of the target"},
-    {.name = "start_m",
-     .type = INI_DECIMAL_LIST,
-     .min = "-1000000",
-     .max = "1000000",
-     .numerator = 1000000,
-     MOVER(start_um),
-     .help = "where it begins: east, north, up"},
-    {.name = "velocity_mps",
-     .type = INI_DECIMAL_LIST,
-     .fallback = "0, 0, 0",
-     .min = "-10000",
-     .max = "10000",
-     .numerator = 1000000,
-     MOVER(velocity_umps),
-     .help = "straight motion"},
-    {.name = "radius_m",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "0",
-     .max = "1000000",
-     .numerator = 1000000,
-     MOVER(radius_um),
-     .help = "of a level circle round that"},
-    {.name = "phase_deg",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "-360",
-     .max = "360",
-     .numerator = 1000,
-     MOVER(phase_mdeg),
-     .help = "where on the circle it begins, from east"},
-    {.name = "turn_dps",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "-3600",
-     .max = "3600",
-     .numerator = 1000,
-     MOVER(turn_mdps),
-     .help = "how fast it goes round, toward north"},
-    {.name = "from_s",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "0",
-     .max = "4000000",
-     .numerator = 1000000,
-     MOVER(from_us),
-     .help = "when it appears"},
-    {.name = "until_s",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "0",
-     .max = "4000000",
-     .numerator = 1000000,
-     MOVER(until_us),
-     .help = "when it leaves; 0: stays"},
-    {.name = "period_ms",
-     .type = INI_DECIMAL,
-     .fallback = "50",
-     .min = "1",
-     .max = "60000",
-     .numerator = 1000,
-     MOVER(period_us),
-     .help = "how often the controller hears of it"},
-    {.name = "noise_m",
-     .type = INI_DECIMAL,
-     .fallback = "0",
-     .min = "0",
-     .max = "1000",
-     .numerator = 1000000,
-     MOVER(noise_um),
-     .help = "error of what it hears, standard deviation"},
-};
-
 #define EVENT(member) .offset = offsetof(struct scenario_event, member)
 static const struct ini_key event_keys[] = {
     {.name = "at_s",
@@ -295,9 +211,17 @@ static const struct ini_section sections[] = {
      .offset = offsetof(struct scenario_file, targets),
      .seen_offset = offsetof(struct scenario_file, has_targets),
      .help = "targets from a file"},
+    {.name = "camera",
+     .presence = INI_OPTIONAL,
+     .keys = scenario_camera_keys,
+     .key_count = SCENARIO_CAMERA_KEY_COUNT,
+     .offset = offsetof(struct scenario_file, camera),
+     .seen_offset = offsetof(struct scenario_file, has_camera),
+     .help = "the controller hears of the targets only through the rig's camera"},
     {.name = "mover",
      .presence = INI_MANY,
-     TABLE(mover_keys),
+     .keys = scenario_mover_keys,
+     .key_count = SCENARIO_MOVER_KEY_COUNT,
      .offset = offsetof(struct scenario_file, mover),
      .seen_offset = offsetof(struct scenario_file, mover_count),
      .stride = sizeof(struct scenario_mover),
@@ -355,35 +279,6 @@ static const char *resolve(struct ini *ini, const char *scenario, const char *pa
     const int size =
         snprintf(joined, sizeof joined, "%.*s/%s", (int)(slash - scenario), scenario, path);
     return size < 0 || (size_t)size >= sizeof joined ? path : ini_keep(ini, joined, (size_t)size);
-}
-
-static bool read_movers(const struct scenario_file *file, struct scenario *out) {
-    for (uint32_t i = 0; i < file->mover_count; i++) {
-        const struct scenario_mover *from = &file->mover[i];
-        if (from->start_um.count != 3U || from->velocity_umps.count != 3U) {
-            ini_complain(&out->ini, "mover", from->label,
-                         from->start_um.count != 3U ? "start_m" : "velocity_mps",
-                         "needs three values: east, north, up");
-            return false;
-        }
-        const double degree = AXIS_PLANT_PI / 180.0;
-        struct schedule_mover mover = {.id = (uint32_t)from->id,
-                                       .from_us = (uint64_t)from->from_us,
-                                       .until_us = (uint64_t)from->until_us,
-                                       .period_us = (uint32_t)from->period_us,
-                                       .radius_m = (double)from->radius_um * 1e-6,
-                                       .phase_rad = (double)from->phase_mdeg * 1e-3 * degree,
-                                       .rate_rps = (double)from->turn_mdps * 1e-3 * degree,
-                                       .noise_m = (double)from->noise_um * 1e-6};
-        for (unsigned axis = 0; axis < 3U; axis++) {
-            mover.start_m[axis] = (double)from->start_um.item[axis] * 1e-6;
-            mover.velocity_mps[axis] = (double)from->velocity_umps.item[axis] * 1e-6;
-        }
-        if (!schedule_add_mover(&out->schedule, &mover)) {
-            return false;
-        }
-    }
-    return true;
 }
 
 static int compare_commands(const void *a, const void *b) {
@@ -462,7 +357,8 @@ static enum exit_status build(const char *path, const struct scenario_file *file
     if (status == EXIT_STATUS_OK) {
         status = read_targets(file, path, out);
     }
-    if (status == EXIT_STATUS_OK && !read_movers(file, out)) {
+    if (status == EXIT_STATUS_OK &&
+        !scenario_movers_add(file->mover, file->mover_count, &out->ini, &out->schedule)) {
         status = EXIT_STATUS_USAGE;
     }
     if (status == EXIT_STATUS_OK) {
@@ -470,6 +366,12 @@ static enum exit_status build(const char *path, const struct scenario_file *file
     }
     read_events(file, out);
     fill_sim(file, out);
+    if (status == EXIT_STATUS_OK && file->has_camera) {
+        out->has_camera = true;
+        out->camera.keys = file->camera;
+        status = scenario_camera_open(&out->camera, &out->rig, &out->ini, out->sim.seed);
+        out->sim.camera = &out->camera.hook;
+    }
     return status;
 }
 
@@ -493,6 +395,9 @@ enum exit_status scenario_read(const char *path, struct scenario *out) {
 }
 
 void scenario_free(struct scenario *scenario) {
+    if (scenario->has_camera) {
+        scenario_camera_close(&scenario->camera);
+    }
     schedule_free(&scenario->schedule);
     scenario_world_free(scenario->world);
     rig_free(&scenario->rig);

@@ -4,6 +4,7 @@
 
 #include "ini.h"
 #include "rig.h"
+#include "scenario_camera.h"
 
 #include "sim.h"
 
@@ -17,6 +18,8 @@ struct scenario {
     struct scenario_world *world; ///< NULL: no obstacles
     struct sim_command commands[SCENARIO_EVENTS_MAX];
     size_t command_count;
+    bool has_camera;
+    struct scenario_camera camera;
     struct sim_config sim; ///< ready for sim_create; points into this struct, which must not move
     uint64_t duration_us;
 };

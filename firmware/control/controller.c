@@ -72,7 +72,7 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     c->pan_started_us = 0;
     c->pan_duration_us = 0;
     c->pan_path = PAN_BY_SUM;
-    c->full_ticks = 0;
+    c->refining_ticks = c->full_ticks = 0;
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
     c->zoom_focal_um = 0;

@@ -150,6 +150,9 @@ struct controller_view {
 /// for the rest, so that it is not worked out for half of a frame. At most so many ticks in a row.
 #define CONTROLLER_WAIT_TICKS_MAX (TARGET_CAPACITY / CONTROLLER_UPDATES_MAX)
 
+/// Pan and tilt wait so many ticks for the end of the aim's search, then follow it as it is.
+#define CONTROLLER_REFINING_TICKS_MAX 8U
+
 /// About 20 KiB (make size); no pointers but to its configuration, so it can be copied.
 struct controller {
     const struct controller_config *config;
@@ -163,6 +166,7 @@ struct controller {
     uint32_t pan_duration_us;
     enum pan_path pan_path;
     uint32_t framed_version; ///< of the target set that framing was solved for
+    uint32_t refining_ticks; ///< in a row, that waited for the end of a search
     uint32_t full_ticks;     ///< in a row, that brought CONTROLLER_UPDATES_MAX updates
     uint32_t aim_reports;    ///< targets.rest_reports when the trackers were last told
     struct limiter limiter[AXIS_COUNT];

@@ -53,13 +53,25 @@ static void aim_zoom(struct controller *c) {
     c->goal_q48[AXIS_ZOOM] = lens_position_q48(&c->config->lens, c->zoom_focal_um);
 }
 
+/// A search that is not finished has a cone that holds everything, but its axis may be degrees away
+/// from where it will be in a tick or two: pan and tilt would dart there and back. They go on as
+/// they were, for a while.
+static bool waits_for_search(struct controller *c) {
+    const bool wait = c->framing.refining && c->tracker[AXIS_PAN].valid &&
+                      c->refining_ticks < CONTROLLER_REFINING_TICKS_MAX;
+    c->refining_ticks = wait ? c->refining_ticks + 1U : 0U;
+    return wait;
+}
+
 void controller_aim(struct controller *c) {
     tracker_advance(&c->tracker[AXIS_PAN], &c->config->tracker);
     tracker_advance(&c->tracker[AXIS_TILT], &c->config->tracker);
     const bool waits = c->full_ticks != 0U; // for the rest of a frame
     if (!waits && controller_look(c)) {
         if (c->framing.status == FRAMING_OK) {
-            take_aim(c);
+            if (!waits_for_search(c)) {
+                take_aim(c);
+            }
         } else {
             tracker_reset(&c->tracker[AXIS_PAN]);
             tracker_reset(&c->tracker[AXIS_TILT]);
