@@ -128,13 +128,13 @@ include tests/bench/bench.mk
 # ---------------------------------------------------------------- targets
 .PHONY: all help demo check lint format size install uninstall clean
 scenarios := host-sim/scenarios
-demo: ## Run the main job in the simulator: ten constellations, then a group of pedestrians
+demo: ## Run the main job in the simulator: ten constellations, a group of pedestrians, a flight through a city
 	.ci/need demo
 	$(MAKE) --no-print-directory demo-run
 
 .PHONY: demo-run
 demo-run: $(B)/boresight $(demo_board)
-	$(B)/boresight sim $(scenarios)/stars.ini $(scenarios)/pedestrians.ini --report $(B)/demo
+	$(B)/boresight sim $(scenarios)/stars.ini $(scenarios)/pedestrians.ini $(scenarios)/flight.ini --report $(B)/demo
 	echo
 	$(call show_board,$(scenarios)/stars.ini)
 	echo 'The report, with plots and pictures: $(B)/demo/report.html'

@@ -355,6 +355,22 @@ static bool draw_labels(FILE *out, const struct report_picture *picture, const s
     return true;
 }
 
+/// All lines of what stands in the way, as one path.
+static void draw_lines(FILE *out, const struct report_picture *picture, const struct view *view) {
+    for (size_t i = 0; i < picture->line_count; i++) {
+        const struct report_line *line = &picture->lines[i];
+        fputs(i == 0 ? "<path class=\"solid\" d=\"M" : "M", out);
+        markup_px(out, view->centre_x_px + line->x0_mm * view->px_per_mm);
+        fputc(' ', out);
+        markup_px(out, view->centre_y_px - line->y0_mm * view->px_per_mm);
+        fputc('L', out);
+        markup_px(out, view->centre_x_px + line->x1_mm * view->px_per_mm);
+        fputc(' ', out);
+        markup_px(out, view->centre_y_px - line->y1_mm * view->px_per_mm);
+    }
+    fputs(picture->line_count != 0 ? "\"/>\n" : "", out);
+}
+
 static bool draw_targets(FILE *out, const struct report_picture *picture, const struct view *view) {
     struct target *target = malloc((picture->point_count + 1) * sizeof *target);
     if (target == NULL) {
@@ -435,6 +451,7 @@ bool picture_draw(FILE *out, const struct report_picture *picture) {
     if (!draw_background(out, picture, &view)) {
         return false;
     }
+    draw_lines(out, picture, &view);
     draw_frame(out, &view);
     draw_cone(out, picture, &view);
     draw_boresight(out, &view);

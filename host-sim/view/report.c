@@ -14,6 +14,7 @@ void report_init(struct report *report, const char *title, const char *subtitle)
 void report_free(struct report *report) {
     for (size_t i = 0; i < report->picture_count; i++) {
         free(report->pictures[i].points);
+        free(report->pictures[i].lines);
     }
     free(report->pictures);
     free(report->samples);
@@ -54,8 +55,14 @@ bool report_add_picture(struct report *report, const struct report_picture *pict
     report->pictures = pictures;
     struct report_picture copy = *picture;
     copy.points = calloc(picture->point_count + 1, sizeof *copy.points);
-    if (copy.points == NULL) {
+    copy.lines = calloc(picture->line_count + 1, sizeof *copy.lines);
+    if (copy.points == NULL || copy.lines == NULL) {
+        free(copy.points);
+        free(copy.lines);
         return false;
+    }
+    if (picture->line_count > 0) {
+        memcpy(copy.lines, picture->lines, picture->line_count * sizeof *copy.lines);
     }
     if (picture->point_count > 0) {
         memcpy(copy.points, picture->points, picture->point_count * sizeof *copy.points);

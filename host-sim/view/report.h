@@ -31,6 +31,11 @@ struct report_point {
     char label[24]; ///< may be empty
 };
 
+/// A visible line of what stands in the way, likewise.
+struct report_line {
+    double x0_mm, y0_mm, x1_mm, y1_mm;
+};
+
 /// What the camera saw at one moment.
 struct report_picture {
     char title[80];
@@ -42,6 +47,8 @@ struct report_picture {
     double half_angle_deg, error_deg, pan_deg, tilt_deg;
     struct report_point *points; ///< report_add_picture copies them; the report owns its copy
     size_t point_count;
+    struct report_line *lines; ///< likewise
+    size_t line_count;
 };
 
 /// A row of the summary table.

@@ -1,5 +1,7 @@
 #include "view/story.h"
 
+#include "view/scene_lines.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,6 +105,26 @@ static void add_point(struct report_picture *picture, const struct sim_view *vie
     picture->point_count++;
 }
 
+/// The targets where they are; those that something hides are no targets in the picture.
+static void add_targets(struct report_picture *picture, const struct sim_view *view,
+                        const struct sim *sim) {
+    const struct schedule *schedule = sim->config.schedule;
+    const struct target_set *truth = &sim->measure.truth;
+    for (uint32_t i = 0; i < truth->count; i++) {
+        struct vec3 direction = truth->direction_q30[i];
+        bool hidden = false;
+        for (uint32_t k = 0; k < sim->occlusion.target_count; k++) {
+            const struct occlusion_target *const t = &sim->occlusion.target[k];
+            if (t->last.id == truth->target[i].id && t->last.kind == TARGET_POSITION) {
+                direction = vec3_i64_normalise(vec3_i64_sub(
+                    t->last.position_um, sim->config.obstacles->occlusion.viewpoint_um));
+                hidden = t->samples == 0U;
+            }
+        }
+        add_point(picture, view, direction, find_item(schedule, truth->target[i].id), !hidden);
+    }
+}
+
 static bool take_picture(struct story *story, const struct story_subject *subject) {
     const struct sim *sim = story->sim;
     const struct schedule *schedule = sim->config.schedule;
@@ -134,12 +156,13 @@ static bool take_picture(struct story *story, const struct story_subject *subjec
         add_point(&picture, &view, schedule->background[i].update.direction,
                   &schedule->background[i], false);
     }
-    for (uint32_t i = 0; i < measure->truth.count; i++) {
-        add_point(&picture, &view, measure->truth.direction_q30[i],
-                  find_item(schedule, measure->truth.target[i].id), true);
-    }
-    const bool added = report_add_picture(&story->report, &picture);
+    add_targets(&picture, &view, sim);
+    picture.lines = scene_lines(sim, &view, picture.sensor_width_mm, picture.sensor_height_mm,
+                                &picture.line_count);
+    const bool drawn = picture.lines != NULL || picture.line_count == 0U;
+    const bool added = drawn && report_add_picture(&story->report, &picture);
     free(picture.points);
+    free(picture.lines);
     return added;
 }
 

@@ -5,7 +5,7 @@
 
 /// Shapes of a picture's parts; their colours follow.
 #define PICTURE_SHAPES                                                                             \
-    ".background{fill:none;stroke-linecap:round}\n"                                                \
+    ".background,.solid{fill:none;stroke-linecap:round}.solid{stroke-width:.9}\n"                  \
     ".frame,.bracket,.cone,.miss,.boresight,.scale{fill:none}\n"                                   \
     ".frame{stroke-width:1}.bracket{stroke-width:2.5}\n"                                           \
     ".cone{stroke-width:1.6}.miss{stroke-width:1}\n"                                               \
@@ -80,7 +80,8 @@ const char style_page[] =
     ".picture p{margin:.35rem 0 0}\n" PICTURE_SHAPES
     ".sensor{fill:var(--sensor)}.veil{fill:var(--beside);fill-opacity:.78}"
     ".strip{fill:var(--beside)}\n"
-    ".background{stroke:var(--background)}.frame,.bracket{stroke:var(--frame)}\n"
+    ".background{stroke:var(--background)}.solid{stroke:var(--quiet)}.frame,.bracket{stroke:var(--"
+    "frame)}\n"
     ".cone,.miss{stroke:var(--cone)}.cone-axis{fill:var(--cone);stroke:none}\n"
     ".boresight,.scale{stroke:var(--cross)}.target{fill:var(--target);stroke:var(--target)}\n"
     ".lost{fill:none;stroke:var(--lost)}\n"
@@ -99,7 +100,7 @@ const char style_picture[] =
     ".card{fill:#12161b}.edge{fill:none;stroke:#3c454f}\n"
     ".title{font-weight:600}.fact{font-size:12px}.name{fill:#9ba5af}\n" PICTURE_SHAPES
     ".sensor{fill:#0f1824}.veil{fill:#0b0e12;fill-opacity:.78}.strip{fill:#0b0e12}\n"
-    ".background{stroke:#93a3b5}.frame,.bracket{stroke:#8b97a3}\n"
+    ".background{stroke:#93a3b5}.solid{stroke:#93a3b5}.frame,.bracket{stroke:#8b97a3}\n"
     ".cone,.miss{stroke:#56b4e9}.cone-axis{fill:#56b4e9}\n"
     ".boresight,.scale{stroke:#f2f4f6}.target{fill:#ffd76a;stroke:#ffd76a}\n"
     ".lost{fill:none;stroke:#ff8fc0}\n"

@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "scenario.h"
+#include "view/scene_lines.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -104,8 +105,45 @@ static void hidden_for_good(void) {
     CHECK(calm.rate_max_dps < 0.5 * drop.rate_max_dps);
 }
 
+/// The demo's flight: everyone stays in the picture though each is hidden again and again, and the
+/// picture has the city's lines, within twice the sensor.
+static void flight(void) {
+    struct scenario scenario;
+    const bool read =
+        CHECK(scenario_read("host-sim/scenarios/flight.ini", &scenario) == EXIT_STATUS_OK);
+    struct sim *const sim = read ? sim_create(&scenario.sim) : NULL;
+    uint64_t hidden = 0;
+    while (CHECK(sim != NULL) && sim->time_us < scenario.duration_us) {
+        sim_step(sim);
+        for (uint32_t i = 0; i < sim->occlusion.target_count && sim->time_us % 40000U == 0U; i++) {
+            hidden += sim->occlusion.target[i].samples == 0U;
+        }
+        if (sim->time_us % 3000000U == 0U) {
+            const struct sim_view view = sim_observe(sim);
+            size_t count;
+            struct report_line *const lines = scene_lines(sim, &view, 4.8, 3.6, &count);
+            CHECK(lines != NULL && count > 8U && count < 200U);
+            for (size_t i = 0; lines != NULL && i < count; i++) {
+                CHECK(fabs(lines[i].x0_mm) < 4.81 && fabs(lines[i].y1_mm) < 3.61);
+            }
+            free(lines);
+        }
+    }
+    if (sim != NULL) {
+        const struct sim_summary summary = sim_summarise(sim);
+        CHECK_EQ(sim_violation_count(&summary.violations), 0);
+        CHECK(summary.in_frame_percent > 99.0 && summary.targets == 4U);
+        CHECK(hidden > 200U); // of 4 x 600 looks
+        printf("MEASURED flight: hidden %.0f %% of the time, in the picture %.2f %%\n",
+               (double)hidden / 24.0, summary.in_frame_percent);
+    }
+    sim_destroy(sim);
+    scenario_free(&scenario);
+}
+
 int main(void) {
     TEST(calm_while_an_obstacle_passes);
     TEST(hidden_for_good);
+    TEST(flight);
     return check_finish();
 }

@@ -236,7 +236,7 @@ static void empty_and_odd_reports_are_well_formed(void) {
         sample = (struct report_sample){i == 6 ? 7 : v, v, v, v, v, v, v, v, NULL};
         CHECK(report_add_sample(&odd, &sample));
         points[i] = (struct report_point){v, v, v, i % 2 == 0, "odd"};
-        struct report_picture picture = {"", v, v, v, v, v, v, v, v, v, v, v, points, 7};
+        struct report_picture picture = {"", v, v, v, v, v, v, v, v, v, v, v, points, 7, NULL, 0};
         CHECK(report_add_picture(&odd, &picture));
         publish(both, 2);
         CHECK(report_picture_svg(&picture, page_path) && read_page(page_path) && well_formed());
