@@ -80,7 +80,8 @@ struct regular_result {
     /// optimize: all directions within this angle (2^64 a turn) of `direction` are regular; of a
     /// rotation, all that turn no axis further. Rounded down.
     uint64_t tolerance_turn64;
-    /// The tolerance of what is printed holds, but something better may exist.
+    /// The tolerance holds, but something better may exist: POINTS3_XY and _XYZ; and the cylinder
+    /// beside segments that share no plane.
     bool tolerance_is_bound;
     /// What it cost: comparisons, products of vectors and the like, the unit of make bench-regular.
     uint64_t operations;
@@ -124,8 +125,9 @@ uint64_t regular_workspace_bytes(enum regular_problem problem, enum regular_step
                                  uint32_t count, const struct regular_options *options);
 
 /// Is the projection along the axis free of conflicts? result->regular and conflict tell.
-/// Cost:     O(n log n) for points, but POINTS3_PLANE O(n^2) expected and POINTS3_COCIRCULAR
-///           O(n^4); segments and faces O(n), SEGMENTS3_PLANE O(n log n). No allocation, no
+/// Cost:     O(n log n) for points, with buckets expected O(n) for coordinates that are spread
+///           evenly, but POINTS3_PLANE expected O(n^2) and POINTS3_COCIRCULAR O(n^3); segments and
+///           faces O(n), SEGMENTS3_PLANE O(n log n) (make bench-regular). No allocation, no
 ///           recursion.
 /// Accuracy: exact (tests/property/regular_decide.c: all pairs, triples and quadruples).
 enum regular_status regular_decide(const struct regular_input *input,
@@ -134,10 +136,11 @@ enum regular_status regular_decide(const struct regular_input *input,
                                    struct regular_result *result) MUST_CHECK;
 
 /// A regular direction, or axes; that of `decide` if it is regular.
-/// Cost:     O(n log n) for points, but POINTS3_PLANE O(n^2) expected (options->small: O(n^3) in
-///           O(n) space) and POINTS3_COCIRCULAR O(n^4) for each direction tried, almost always one
-///           or two; segments and faces O(n), SEGMENTS3_PLANE O(n^2).
-/// Accuracy: exact (tests/property/regular_compute.c: the definitions in 256 bits).
+/// Cost:     O(n log n) for points, but POINTS3_PLANE expected O(n^2) (options->small: O(n^3)
+///           without hashing; both in O(n) space) and POINTS3_COCIRCULAR expected O(n^3) for each
+///           direction tried, almost always one or two; segments and faces O(n), SEGMENTS3_PLANE
+///           O(n^2) (make bench-regular).
+/// Accuracy: exact (tests/property/regular_compute.c: the definitions, in integers of any size).
 enum regular_status regular_compute(const struct regular_input *input,
                                     const struct regular_options *options, void *workspace,
                                     size_t workspace_bytes,
@@ -147,11 +150,13 @@ enum regular_status regular_compute(const struct regular_input *input,
 /// Cost:     O(m log m) for m forbidden directions: n^2 / 2 for points, n segments. O(m^2) time and
 ///           space for m forbidden circles: n^2 / 2 for POINTS3_X, n^3 / 6 for POINTS3_PLANE, up to
 ///           n^2 / 2 for SEGMENTS3_PLANE, n faces. options->cylinder: O(m^2 log m) expected, O(m)
-///           space. POINTS3_XY and _XYZ: a local search, O(n log n) a step; see
-///           tolerance_is_bound.
-/// Accuracy: which gap or disc is the largest is decided on exact integers (regular/disc.h); the
-///           direction is within 1e-12 rad of its centre, and the tolerance is below that of the
-///           direction as returned by less than 1e-12 rad (tests/property/regular_optimize.c).
+///           space. POINTS3_XY and _XYZ: a fixed search of O(n^2) a step; see tolerance_is_bound.
+///           Growth and reach: make bench-regular.
+/// Accuracy: which gap or disc is the largest is decided on exact integers (regular/disc.h), but
+///           with weights, beside segments that share no plane (regular/lone.h) and by the cylinder
+///           (regular/cylinder.h) to about 2^-45. The direction is within 2 nrad of the centre, and
+///           the tolerance below that of the direction as returned by less than 1e-12 rad
+///           (tests/property/regular_optimize.c, regular_variants.c).
 enum regular_status regular_optimize(const struct regular_input *input,
                                      const struct regular_options *options, void *workspace,
                                      size_t workspace_bytes,

@@ -28,3 +28,9 @@ bench-scene: ## Measure how many points aiming at a scene reads, beside the flat
 	@$(MAKE) --no-print-directory $(B)/bench-scene
 	@mkdir -p $(B)/bench
 	@LARGE=$(LARGE) $(B)/bench-scene | tee $(B)/bench/scene.txt; ! grep -q 'BOUND IS BROKEN' $(B)/bench/scene.txt
+
+-include $(B)/gcc/tests/bench/regular/growth.d
+.PHONY: bench-regular
+bench-regular: $(B)/gcc/tests/bench/regular/growth ## Count how the cost of regular projections grows, and time how far they reach
+	@mkdir -p $(B)/bench
+	@$< | tee $(B)/bench/regular.txt
