@@ -8,6 +8,7 @@
 #include "scene/walk.h"
 #include "solid/solid_hull.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -286,6 +287,54 @@ static void every_bit(void) {
     scene_text_free(&scene);
 }
 
+/// A text with some bytes wrong is read or refused; what is read can be built and opened.
+static void damaged_texts(void) {
+    static struct model model;
+    static char text[1 << 16];
+    unsigned long read = 0, refused = 0;
+    fflush(stderr);
+    const int heard = dup(2), nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(nowhere, 2); // a line for each that is refused
+    for (unsigned long i = 0; i < 20U * scene_count && check_clean(); i++) {
+        if (i % 2U == 0U) {
+            write_scene(&model);
+        }
+        FILE *file = fopen(path, "r");
+        const size_t size = file != NULL ? fread(text, 1, sizeof text, file) : 0U;
+        if (file == NULL || fclose(file) != 0 || size == 0U) {
+            exit(1);
+        }
+        static const char some[] = "0123456789.-+e/ \n\tvflpgo#\1\377";
+        for (uint32_t k = 0; k <= i % 4U; k++) {
+            text[solid_below(&seed, (uint32_t)size)] =
+                some[solid_below(&seed, (uint32_t)sizeof some)];
+        }
+        file = fopen(path, "w");
+        if (file == NULL || fwrite(text, 1, size, file) != size || fclose(file) != 0) {
+            exit(1);
+        }
+        struct scene_text scene;
+        if (scene_text_read(path, true, &scene) == EXIT_STATUS_OK) {
+            void *block;
+            struct tree tree;
+            scene_set_open(&scene, &scene_build_default, &block, &tree);
+            if (tree.header->node_count != 0U) {
+                use(&tree);
+            }
+            free(block);
+            read++;
+        } else {
+            refused++;
+        }
+        scene_text_free(&scene);
+    }
+    dup2(heard, 2);
+    close(heard);
+    close(nowhere);
+    printf("# %lu read, %lu refused\n", read, refused);
+    CHECK(read > 10U && refused > 10U);
+}
+
 int main(void) {
     const char *seed_text = getenv("SEED"), *count_text = getenv("COUNT");
     seed = seed_text != NULL ? strtoull(seed_text, NULL, 0) | 1U : 19750606U;
@@ -300,6 +349,7 @@ int main(void) {
     path = name;
     TEST(corners_are_the_texts);
     TEST(every_bit);
+    TEST(damaged_texts);
     unlink(name);
     return check_finish();
 }

@@ -156,6 +156,71 @@ static void spheres_hold_their_points(void) {
     }
 }
 
+/// Marks what is below a node, in all descriptions.
+static void mark(const struct tree *tree, uint32_t node, bool *below) {
+    for (uint32_t k = 0; k < tree->nodes[node].description_count; k++) {
+        const struct tree_description *const d =
+            &tree->descriptions[tree->nodes[node].first_description + k];
+        for (uint32_t i = d->first; i < d->first + d->count; i++) {
+            if (tree_kind(d) == TREE_NODES) {
+                mark(tree, i, below);
+            } else if (tree_kind(d) == TREE_POINTS) {
+                below[tree->points[i].source] = true;
+            }
+        }
+    }
+}
+
+/// Is there a node with these vertices below it and no others?
+static bool is_node(const struct tree *tree, const bool *wanted, uint32_t count) {
+    bool *const below = malloc(count * sizeof *below);
+    bool found = false;
+    for (uint32_t node = 0; node < tree->header->node_count && !found; node++) {
+        memset(below, 0, count * sizeof *below);
+        mark(tree, node, below);
+        found = memcmp(below, wanted, count * sizeof *below) == 0;
+    }
+    free(below);
+    return found;
+}
+
+/// The user's groups and objects are nodes, whatever is clustered around and below them.
+static void clusters_are_kept(void) {
+    const struct scene_set set = {SCENE_DETAIL, 600, 24, false};
+    struct scene_text scene = scene_set_draw(&set, &seed);
+    void *block;
+    struct tree tree;
+    scene_set_open(&scene, &scene_build_default, &block, &tree);
+    bool *const wanted = malloc(set.count * sizeof *wanted);
+    for (int32_t group = 0; group < (int32_t)scene.group_count; group++) {
+        memset(wanted, 0, set.count * sizeof *wanted);
+        for (uint32_t i = 0; i < scene.object_count; i++) {
+            int32_t of = scene.objects[i].group;
+            while (of >= 0 && of != group) {
+                of = scene.groups[of].parent;
+            }
+            for (uint32_t k = 0; of == group && k < scene.objects[i].detail_count; k++) {
+                const struct scene_detail *const d =
+                    &scene.details[scene.objects[i].first_detail + k];
+                memset(wanted + scene.points[d->first], 1, d->count); // one after the other
+            }
+        }
+        CHECK(is_node(&tree, wanted, set.count));
+    }
+    uint32_t objects = 0;
+    for (uint32_t i = 0; i < tree.header->part_count; i++) {
+        objects += tree.parts[i].name != TREE_NONE ? 1U : 0U;
+    }
+    CHECK_EQ(objects, scene.object_count);
+    // A set that is none: the first vertices of two objects.
+    memset(wanted, 0, set.count * sizeof *wanted);
+    wanted[0] = wanted[set.count - 1U] = true;
+    CHECK(!is_node(&tree, wanted, set.count));
+    free(wanted);
+    free(block);
+    scene_text_free(&scene);
+}
+
 int main(void) {
     const char *seed_text = getenv("SEED");
     seed = seed_text != NULL ? strtoull(seed_text, NULL, 0) | 1U : 19750604U;
@@ -164,5 +229,6 @@ int main(void) {
     TEST(every_bit);
     TEST(many_fields);
     TEST(spheres_hold_their_points);
+    TEST(clusters_are_kept);
     return check_finish();
 }
