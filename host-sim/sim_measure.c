@@ -37,10 +37,31 @@ void sim_measure_update(struct sim *sim, const struct target_update *update) {
     (void)!target_set_apply(&sim->measure.truth, &shown, sim->time_us);
 }
 
+/// Units of work a tick: far more than the controller has, so that a picture is the best one when
+/// it is there yet.
+#define TRUTH_WORK_LIMIT 100000U
+
+/// The cone, or the picture, that is best now.
+static enum framing_status frame_truth(struct sim *sim) {
+    struct sim_measure *measure = &sim->measure;
+    const struct controller_config *config = sim->config.controller;
+    if (config->frame != CONTROLLER_FRAME_RECT) {
+        return framing_solve(&measure->truth, &measure->workspace, &measure->framing);
+    }
+    const struct mount *mount = &sim->controller.mount;
+    const struct framing_picture picture = {
+        .width = config->lens.sensor_width_um,
+        .height = config->lens.sensor_height_um,
+        .base = {mount->right_q30, mount->ahead_q30, mount->up_q30}};
+    const struct framing_choice all = {0};
+    return framing_follow(&measure->truth, all, &picture, &measure->workspace.memory,
+                          TRUTH_WORK_LIMIT, &measure->workspace, &measure->framing);
+}
+
 /// Follows the optimal axis; a jump of it (or the first one) starts the settling clock.
 static void refresh_truth(struct sim *sim) {
     struct sim_measure *measure = &sim->measure;
-    if (measure->framed_version == measure->truth.version) {
+    if (measure->framed_version == measure->truth.version && !measure->framing.refining) {
         return;
     }
     measure->framed_version = measure->truth.version;
@@ -48,7 +69,7 @@ static void refresh_truth(struct sim *sim) {
         measure->most_targets = measure->truth.count;
     }
     const struct framing before = measure->framing;
-    if (framing_solve(&measure->truth, &measure->workspace, &measure->framing) != FRAMING_OK) {
+    if (frame_truth(sim) != FRAMING_OK) {
         measure->timing = measure->settled = false;
         return;
     }
