@@ -221,8 +221,8 @@ static struct demand fine_tilt(struct rectangle_view *view, int32_t *tilt, uint3
 uint32_t rectangle_tilt_work(const struct rectangle_view *view, uint32_t reach_bam32) {
     const uint32_t steps =
         reach_bam32 == 0U ? COARSE_STEPS + FINE_STEPS + 1U : 65U - u64_leading_zeros(reach_bam32);
-    return view->input->radius == NULL ? steps * (2U + 3U * (view->count + 1U)) + 70U
-                                       : steps * (40U + 6U * (view->count + 1U)) + 90U;
+    return view->input->radius == NULL ? steps * (14U + 3U * (view->count + 1U)) + 70U
+                                       : steps * (48U + 6U * (view->count + 1U)) + 90U;
 }
 
 bool rectangle_best_tilt(struct rectangle_view *view, struct rectangle_place *place,
