@@ -155,14 +155,27 @@ static void command(struct sim *sim, uint32_t commands) {
     }
 }
 
+/// The truth is that of where the pan goes.
+static void start_pan(struct sim *sim, const struct controller_pan *pan) {
+    const struct sim_board *board = sim->config.board;
+    if (board != NULL) {
+        board->pan(board->context, pan);
+    } else {
+        pump_pan(&sim->pump, pan);
+    }
+    sim_measure_choose(sim, pan->choice);
+}
+
 static void move_targets(struct sim *sim) {
     const struct schedule *schedule = sim->config.schedule;
     for (size_t i = 0; i < schedule->mover_count; i++) {
         const struct schedule_mover *mover = &schedule->movers[i];
         const bool alive = sim->time_us >= mover->from_us &&
                            (mover->until_us == 0U || sim->time_us < mover->until_us);
-        struct target_update update = {
-            .kind = TARGET_POSITION, .id = mover->id, .weight_q16 = TARGET_WEIGHT_ONE_Q16};
+        struct target_update update = {.kind = TARGET_POSITION,
+                                       .id = mover->id,
+                                       .object = mover->object,
+                                       .weight_q16 = TARGET_WEIGHT_ONE_Q16};
         if (!alive) {
             if (mover->until_us != 0U && sim->time_us == mover->until_us) {
                 update.kind = TARGET_GONE;
@@ -205,7 +218,11 @@ static void feed(struct sim *sim) {
     sim_world_step(sim, give_controller);
     while (sim->next_command < sim->config.command_count &&
            sim->config.commands[sim->next_command].at_us <= sim->time_us) {
-        command(sim, sim->config.commands[sim->next_command++].commands);
+        const struct sim_command *next = &sim->config.commands[sim->next_command++];
+        command(sim, next->commands);
+        if (next->pan_set) {
+            start_pan(sim, &next->pan);
+        }
     }
 }
 

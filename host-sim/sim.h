@@ -28,6 +28,8 @@
 struct sim_command {
     uint64_t at_us;
     uint32_t commands; ///< enum controller_command
+    bool pan_set;
+    struct controller_pan pan;
 };
 
 struct sim;
@@ -41,6 +43,7 @@ struct sim_board {
     /// What sim_push and commands would give to the pump.
     bool (*push)(void *context, const struct target_update *update);
     void (*command)(void *context, uint32_t commands);
+    void (*pan)(void *context, const struct controller_pan *pan);
     /// Runs board and bus, and sets sim->pulse_ns to what comes out of its servo outputs.
     void (*run)(void *context, uint64_t until_ns);
     void *context;
@@ -137,6 +140,7 @@ struct sim_measure {
     struct target_set truth;
     struct framing framing;
     struct framing_workspace workspace;
+    struct framing_choice choice; ///< what the last pan went to
     uint32_t framed_version;
     bool settled, timing;
     uint64_t aim_changed_us, settled_us;

@@ -194,7 +194,9 @@ static bool same_output(const struct controller_output *a, const struct controll
                 a->status.faults == b->status.faults && a->status.time_us == b->status.time_us &&
                 a->status.target_count == b->status.target_count &&
                 vec3_equal(a->status.framing.ahead_q30, b->status.framing.ahead_q30) &&
-                a->status.framing.half_angle_bam32.bam == b->status.framing.half_angle_bam32.bam;
+                a->status.framing.half_angle_bam32.bam == b->status.framing.half_angle_bam32.bam &&
+                a->status.framing.half_width_bam32.bam == b->status.framing.half_width_bam32.bam &&
+                a->status.framing.pan_bam32.bam == b->status.framing.pan_bam32.bam;
     for (unsigned axis = 0; same && axis < AXIS_COUNT; axis++) {
         same = a->pulse_set[axis] == b->pulse_set[axis] && a->pulse_ns[axis] == b->pulse_ns[axis] &&
                a->status.axis[axis].setpoint_q48 == b->status.axis[axis].setpoint_q48 &&

@@ -37,10 +37,35 @@ void sim_measure_update(struct sim *sim, const struct target_update *update) {
     (void)!target_set_apply(&sim->measure.truth, &shown, sim->time_us);
 }
 
+/// Units of work a tick: far more than the controller has, so that a picture is the best one when
+/// it is there yet.
+#define TRUTH_WORK_LIMIT 100000U
+
+/// The cone, or the picture, that is best now.
+static enum framing_status frame_truth(struct sim *sim) {
+    struct sim_measure *measure = &sim->measure;
+    const struct controller_config *config = sim->config.controller;
+    const struct mount *mount = &sim->controller.mount;
+    const struct framing_picture picture = {
+        .width = config->lens.sensor_width_um,
+        .height = config->lens.sensor_height_um,
+        .base = {mount->right_q30, mount->ahead_q30, mount->up_q30}};
+    const bool by_picture = config->frame == CONTROLLER_FRAME_RECT;
+    return framing_follow(&measure->truth, measure->choice, by_picture ? &picture : NULL,
+                          &measure->workspace.memory, by_picture ? TRUTH_WORK_LIMIT : 0U,
+                          &measure->workspace, &measure->framing);
+}
+
+void sim_measure_choose(struct sim *sim, struct framing_choice choice) {
+    sim->measure.choice = choice;
+    sim->measure.workspace.memory = (struct framing_memory){0};
+    sim->measure.framed_version = sim->measure.truth.version - 1U;
+}
+
 /// Follows the optimal axis; a jump of it (or the first one) starts the settling clock.
 static void refresh_truth(struct sim *sim) {
     struct sim_measure *measure = &sim->measure;
-    if (measure->framed_version == measure->truth.version) {
+    if (measure->framed_version == measure->truth.version && !measure->framing.refining) {
         return;
     }
     measure->framed_version = measure->truth.version;
@@ -48,7 +73,7 @@ static void refresh_truth(struct sim *sim) {
         measure->most_targets = measure->truth.count;
     }
     const struct framing before = measure->framing;
-    if (framing_solve(&measure->truth, &measure->workspace, &measure->framing) != FRAMING_OK) {
+    if (frame_truth(sim) != FRAMING_OK) {
         measure->timing = measure->settled = false;
         return;
     }
@@ -130,8 +155,10 @@ void sim_measure_step(struct sim *sim) {
         record_error(measure, view.error_deg);
     }
     for (uint32_t i = 0; i < measure->truth.count; i++) {
-        if (measure->truth.target[i].weight_q16 == 0U) {
-            continue; // hidden
+        const struct target *target = &measure->truth.target[i];
+        if (target->weight_q16 == 0U || // hidden
+            (measure->choice.one_object && target->object != measure->choice.object)) {
+            continue;
         }
         measure->looked_at++;
         measure->seen += in_picture(sim, &view, measure->truth.direction_q30[i]);

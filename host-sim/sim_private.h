@@ -31,6 +31,9 @@ void sim_world_step(struct sim *sim,
 void sim_measure_init(struct sim *sim);
 /// Applies an update, as it really is, to the truth.
 void sim_measure_update(struct sim *sim, const struct target_update *update);
+
+/// From now on the truth is that of this choice of targets.
+void sim_measure_choose(struct sim *sim, struct framing_choice choice);
 /// 100 times a second.
 void sim_measure_step(struct sim *sim);
 

@@ -218,7 +218,15 @@ static bool build_zoom(const struct rig_file *file, const struct ini *ini, struc
     lens->sensor_width_um = (uint32_t)file->camera.sensor_width_um;
     lens->sensor_height_um = (uint32_t)file->camera.sensor_height_um;
     lens->margin_q16 = (uint32_t)file->camera.margin_q16;
+    rig->controller.frame = (enum controller_frame)file->camera.frame;
     rig->fixed_focal_mm = (double)file->camera.focal_um / 1000.0;
+    const int64_t width = file->camera.sensor_width_um, height = file->camera.sensor_height_um;
+    if (rig->controller.frame == CONTROLLER_FRAME_RECT &&
+        (width > height * RECTANGLE_ASPECT_MAX || height > width * RECTANGLE_ASPECT_MAX)) {
+        ini_complain(ini, "camera", "", "frame", "rect needs sides of at most %d to 1",
+                     RECTANGLE_ASPECT_MAX);
+        return false;
+    }
     if (!file->has_zoom) {
         return true;
     }

@@ -99,6 +99,9 @@ void rig_write_c(const struct rig *rig, const char *path, FILE *stream) {
             config->attitude.heading.bam, config->attitude.pitch.bam, config->attitude.roll.bam);
     write_axes(config, stream);
     write_lens(&config->lens, stream);
+    fprintf(stream, "    .frame = %s,\n",
+            config->frame == CONTROLLER_FRAME_RECT ? "CONTROLLER_FRAME_RECT"
+                                                   : "CONTROLLER_FRAME_CONE");
     fprintf(stream,
             "    .target_expiry_us = UINT64_C(%" PRIu64 "),\n"
             "    .tracker = {.jump_q48 = INT64_C(%" PRId64 "), .memory_q16 = %" PRIu32

@@ -11,6 +11,8 @@
 static const char *const pixel_names[] = {"any", "grey", "yuyv", "mjpeg", NULL};
 
 #define CAMERA(member) .offset = offsetof(struct rig_camera, member)
+static const char *const frames[] = {"cone", "rect", NULL}; // enum controller_frame
+
 const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
     {.name = "sensor_width_mm",
      .type = INI_DECIMAL,
@@ -44,7 +46,14 @@ const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT] = {
      .numerator = 65536,
      .denominator = 100,
      CAMERA(margin_q16),
-     .help = "how much wider than the cone the picture is"},
+     .help = "how much wider than what it must hold the picture is"},
+    {.name = "frame",
+     .type = INI_CHOICE,
+     .fallback = "cone",
+     .choices = frames,
+     CAMERA(frame),
+     .help = "what holds the targets: cone: a circle; rect: the picture itself, as tight as can "
+             "be"},
     {.name = "width_px",
      .type = INI_WHOLE,
      .fallback = "640",

@@ -26,7 +26,7 @@ struct rig_frames {
     struct hal_camera_format wish; ///< the size is that of the model
 };
 
-enum { RIG_CAMERA_KEY_COUNT = 24 };
+enum { RIG_CAMERA_KEY_COUNT = 25 };
 extern const struct ini_key rig_camera_keys[RIG_CAMERA_KEY_COUNT];
 
 /// False: told on stderr what is wrong with the numbers.

@@ -40,7 +40,7 @@ struct rig_camera {
     int64_t k1_nano, k2_nano, p1_nano, p2_nano, k3_nano;
     int64_t right_udeg, up_udeg, roll_udeg, latency_us;
     const char *device, *detect, *tag_family;
-    int pixels;
+    int pixels, frame;
     int64_t rate_mhz;
 };
 

@@ -1,6 +1,7 @@
 #include "scenario.h"
 
 #include "ini_schema.h"
+#include "scenario_event.h"
 #include "scenario_movers.h"
 #include "scenario_targets.h"
 #include "scenario_world.h"
@@ -26,12 +27,6 @@ struct scenario_targets {
     struct box_camera boxes;
 };
 
-struct scenario_event {
-    const char *label;
-    int64_t at_us;
-    int action;
-};
-
 struct scenario_file {
     struct scenario_run run;
     bool has_targets, has_occlusion;
@@ -46,7 +41,6 @@ struct scenario_file {
 
 enum { FORMAT_JSONL, FORMAT_STARS, FORMAT_BOXES };
 static const char *const formats[] = {"jsonl", "stars", "boxes", NULL};
-static const char *const actions[] = {"arm", "stop", NULL};
 
 #define RUN(member) .offset = offsetof(struct scenario_run, member)
 static const struct ini_key run_keys[] = {
@@ -187,18 +181,6 @@ static const struct ini_key target_keys[] = {
      .help = "boxes: time between frames"},
 };
 
-#define EVENT(member) .offset = offsetof(struct scenario_event, member)
-static const struct ini_key event_keys[] = {
-    {.name = "at_s",
-     .type = INI_DECIMAL,
-     .min = "0",
-     .max = "4000000",
-     .numerator = 1000000,
-     EVENT(at_us),
-     .help = "when"},
-    {.name = "do", .type = INI_CHOICE, .choices = actions, EVENT(action), .help = "what"},
-};
-
 #define TABLE(table) .keys = table, .key_count = sizeof table / sizeof *table
 static const struct ini_section sections[] = {
     {.name = "scenario",
@@ -230,7 +212,8 @@ static const struct ini_section sections[] = {
      .help = "a target that moves"},
     {.name = "event",
      .presence = INI_MANY,
-     TABLE(event_keys),
+     .keys = scenario_event_keys,
+     .key_count = SCENARIO_EVENT_KEY_COUNT,
      .offset = offsetof(struct scenario_file, event),
      .seen_offset = offsetof(struct scenario_file, event_count),
      .stride = sizeof(struct scenario_event),
@@ -279,21 +262,6 @@ static const char *resolve(struct ini *ini, const char *scenario, const char *pa
     const int size =
         snprintf(joined, sizeof joined, "%.*s/%s", (int)(slash - scenario), scenario, path);
     return size < 0 || (size_t)size >= sizeof joined ? path : ini_keep(ini, joined, (size_t)size);
-}
-
-static int compare_commands(const void *a, const void *b) {
-    const struct sim_command *x = a, *y = b;
-    return (x->at_us > y->at_us) - (x->at_us < y->at_us);
-}
-
-static void read_events(const struct scenario_file *file, struct scenario *out) {
-    for (uint32_t i = 0; i < file->event_count; i++) {
-        out->commands[i] = (struct sim_command){
-            .at_us = (uint64_t)file->event[i].at_us,
-            .commands = file->event[i].action == 0 ? COMMAND_ARM : COMMAND_STOP};
-    }
-    out->command_count = file->event_count;
-    qsort(out->commands, out->command_count, sizeof *out->commands, compare_commands);
 }
 
 static enum exit_status read_targets(const struct scenario_file *file, const char *path,
@@ -364,7 +332,8 @@ static enum exit_status build(const char *path, const struct scenario_file *file
     if (status == EXIT_STATUS_OK) {
         status = read_world(file, path, out);
     }
-    read_events(file, out);
+    out->command_count = file->event_count;
+    scenario_read_events(file->event, file->event_count, out->commands);
     fill_sim(file, out);
     if (status == EXIT_STATUS_OK && file->has_camera) {
         out->has_camera = true;

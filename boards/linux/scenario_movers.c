@@ -12,6 +12,13 @@ const struct ini_key scenario_mover_keys[SCENARIO_MOVER_KEY_COUNT] = {
      .max = "4294967295",
      MOVER(id),
      .help = "of the target"},
+    {.name = "object",
+     .type = INI_WHOLE,
+     .fallback = "0",
+     .min = "0",
+     .max = "65535",
+     MOVER(object),
+     .help = "which group it belongs to"},
     {.name = "start_m",
      .type = INI_DECIMAL_LIST,
      .min = "-1000000",
@@ -97,6 +104,7 @@ bool scenario_movers_add(const struct scenario_mover *movers, uint32_t count, co
         }
         const double degree = AXIS_PLANT_PI / 180.0;
         struct schedule_mover mover = {.id = (uint32_t)from->id,
+                                       .object = (uint16_t)from->object,
                                        .from_us = (uint64_t)from->from_us,
                                        .until_us = (uint64_t)from->until_us,
                                        .period_us = (uint32_t)from->period_us,

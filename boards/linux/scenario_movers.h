@@ -9,11 +9,11 @@
 /// As in the file, scaled.
 struct scenario_mover {
     const char *label;
-    int64_t id, from_us, until_us, period_us, radius_um, phase_mdeg, turn_mdps, noise_um;
+    int64_t id, object, from_us, until_us, period_us, radius_um, phase_mdeg, turn_mdps, noise_um;
     struct ini_numbers start_um, velocity_umps;
 };
 
-enum { SCENARIO_MOVER_KEY_COUNT = 10 };
+enum { SCENARIO_MOVER_KEY_COUNT = 11 };
 extern const struct ini_key scenario_mover_keys[SCENARIO_MOVER_KEY_COUNT];
 
 /// Adds them to the schedule. False: told on stderr what is wrong with one.

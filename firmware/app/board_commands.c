@@ -75,6 +75,10 @@ const char *board_commands_do(struct board_commands *commands, const struct requ
         return board_commands_update(commands, &request->update)
                    ? NULL
                    : "too many targets wait; try again";
+    case REQUEST_PAN:
+        pump_pan(commands->pump,
+                 &(struct controller_pan){request->choice, request->duration_us, request->path});
+        return NULL;
     case REQUEST_GET:
         return board_settings_get(commands->settings, request->name, answer);
     case REQUEST_SET:

@@ -71,6 +71,7 @@ uint32_t settings_digest(const struct controller_config *config) {
         add_axis(&crc, &config->axis[axis]);
     }
     add_lens(&crc, &config->lens);
+    add(&crc, (uint64_t)config->frame);
     add(&crc, config->target_expiry_us);
     add_signed(&crc, config->tracker.jump_q48);
     add(&crc, config->tracker.memory_q16);

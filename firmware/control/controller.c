@@ -26,6 +26,14 @@ static bool tracker_config_valid(const struct tracker_config *tracker) {
            tracker->jump_q48 <= TRACKER_JUMP_Q48_MAX;
 }
 
+static bool frame_valid(const struct controller_config *config) {
+    const uint64_t width = config->lens.sensor_width_um, height = config->lens.sensor_height_um;
+    return config->frame != CONTROLLER_FRAME_RECT ||
+           (width != 0U && height != 0U && width <= UINT32_C(1) << 20 &&
+            height <= UINT32_C(1) << 20 && width <= height * RECTANGLE_ASPECT_MAX &&
+            height <= width * RECTANGLE_ASPECT_MAX);
+}
+
 static bool position_valid(struct vec3_i64 position_um) {
     const int64_t most = TARGET_POSITION_UM_MAX;
     return position_um.x <= most && position_um.x >= -most && position_um.y <= most &&
@@ -49,7 +57,8 @@ static bool config_valid(const struct controller_config *config) {
            !drives_collide(&pan->drive, &tilt->drive) &&
            !drives_collide(&pan->drive, &zoom->drive) &&
            !drives_collide(&tilt->drive, &zoom->drive) && position_valid(config->position_um) &&
-           config->follow_error_q48 >= 0 && tracker_config_valid(&config->tracker);
+           frame_valid(config) && config->follow_error_q48 >= 0 &&
+           tracker_config_valid(&config->tracker);
 }
 
 bool controller_init(struct controller *c, const struct controller_config *config) {

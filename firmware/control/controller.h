@@ -39,12 +39,19 @@ struct controller_axis_config {
     int64_t home_q48; ///< where an axis without feedback is taken to be when it is first powered
 };
 
+/// What the picture is fitted to.
+enum controller_frame {
+    CONTROLLER_FRAME_CONE, ///< the circle of the narrowest cone
+    CONTROLLER_FRAME_RECT  ///< the smallest picture of the sensor's aspect
+};
+
 struct controller_config {
     uint32_t tick_us;            ///< nominal, 100 to 20,000
     struct vec3_i64 position_um; ///< each |component| <= TARGET_POSITION_UM_MAX
     struct mount_attitude attitude;
     struct controller_axis_config axis[AXIS_COUNT];
-    struct lens_config lens; ///< of the zoom axis
+    struct lens_config lens; ///< of the zoom axis; its sensor is the camera's also without zoom
+    enum controller_frame frame;
     uint64_t target_expiry_us;
     struct tracker_config tracker; ///< of pan and tilt
     uint32_t silence_us;           ///< a drive is silent after this long

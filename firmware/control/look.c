@@ -1,5 +1,7 @@
 #include "control/private.h"
 
+#include <stddef.h>
+
 /// Reads of a target that a tick may spend on the aim, of about 20 instructions of a Cortex-M4
 /// each: with 16 updates, 16 frames and all else a tick stays below 100,800 of them, 60 % of 1 ms
 /// at 168 MHz (tests/gate/tick.sh, tests/unit/test_tick_work.c).
@@ -27,8 +29,13 @@ static bool is_due(const struct controller *c, const struct controller_view *vie
 static void solve(struct controller *c, struct controller_view *view) {
     view->framed_version = c->targets.version;
     c->aims_solved++;
-    (void)framing_follow(&c->targets, view->choice, &view->memory, AIM_WORK_LIMIT,
-                         &c->framing_workspace, &view->framing);
+    const struct framing_picture picture = {
+        .width = c->config->lens.sensor_width_um,
+        .height = c->config->lens.sensor_height_um,
+        .base = {c->mount.right_q30, c->mount.ahead_q30, c->mount.up_q30}};
+    const bool by_picture = c->config->frame == CONTROLLER_FRAME_RECT;
+    (void)framing_follow(&c->targets, view->choice, by_picture ? &picture : NULL, &view->memory,
+                         AIM_WORK_LIMIT, &c->framing_workspace, &view->framing);
 }
 
 static bam32_t blend_angles(bam32_t from, bam32_t to, q30_t weight_q30) {
@@ -53,6 +60,11 @@ static bool look_between(struct controller *c) {
                          &c->framing.ahead_q30)) {
         c->framing.half_angle_bam32 =
             blend_angles(from->half_angle_bam32, to->half_angle_bam32, weight_q30);
+        c->framing.half_width_bam32 =
+            blend_angles(from->half_width_bam32, to->half_width_bam32, weight_q30);
+        c->framing.half_height_bam32 =
+            blend_angles(from->half_height_bam32, to->half_height_bam32, weight_q30);
+        c->framing.is_picture = false; // the joints follow from the direction
         c->framing.framed_count = to->framed_count;
     }
     c->framing.work = work;

@@ -13,7 +13,12 @@ static bool has_zoom(const struct controller *c) {
 /// Hands a new aim to the trackers, on the turn that the limits and the shortest way ask for.
 static void take_aim(struct controller *c) {
     struct mount_joints joints;
-    const bool pan_defined = mount_solve(&c->mount, c->framing.ahead_q30, &joints);
+    bool pan_defined = true;
+    if (c->framing.is_picture) {
+        joints = (struct mount_joints){c->framing.pan_bam32, c->framing.tilt_bam32};
+    } else {
+        pan_defined = mount_solve(&c->mount, c->framing.ahead_q30, &joints);
+    }
     for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
         struct tracker *tracker = &c->tracker[axis];
         const struct limiter_config *limits = &c->config->axis[axis].limits;
@@ -36,8 +41,14 @@ static bam32_t pointing_error(const struct controller *c, struct mount_joints jo
     return trig_atan2((int64_t)across, vec3_dot_unit(looking, c->framing.ahead_q30));
 }
 
-/// The zoom goal frames the cone from where the camera looks now: wide while it slews, so that the
-/// targets come into the picture early and none is lost, and closer as it arrives.
+static bam32_t widened(bam32_t half_angle, bam32_t by) {
+    const uint64_t wide = (uint64_t)half_angle.bam + by.bam;
+    return bam32(wide < BAM32_QUARTER ? (uint32_t)wide : BAM32_QUARTER);
+}
+
+/// The zoom goal frames the cone, or the picture, from where the camera looks now: wide while it
+/// slews, so that the targets come into the picture early and none is lost, and closer as it
+/// arrives.
 static void aim_zoom(struct controller *c) {
     const struct mount_joints joints = {axis_to_bam32(c->setpoint_q48[AXIS_PAN]),
                                         axis_to_bam32(c->setpoint_q48[AXIS_TILT])};
@@ -47,9 +58,13 @@ static void aim_zoom(struct controller *c) {
     }
     c->zoom_version = c->framed_version;
     c->zoom_joints = joints;
-    const uint64_t wide = (uint64_t)c->framing.half_angle_bam32.bam + pointing_error(c, joints).bam;
-    const bam32_t half = bam32(wide < BAM32_QUARTER ? (uint32_t)wide : BAM32_QUARTER);
-    c->zoom_focal_um = lens_focal_um(&c->config->lens, half);
+    const struct framing *framing = &c->framing;
+    const bam32_t error = pointing_error(c, joints);
+    c->zoom_focal_um =
+        c->config->frame == CONTROLLER_FRAME_RECT
+            ? lens_focal_of_picture_um(&c->config->lens, widened(framing->half_width_bam32, error),
+                                       widened(framing->half_height_bam32, error))
+            : lens_focal_um(&c->config->lens, widened(framing->half_angle_bam32, error));
     c->goal_q48[AXIS_ZOOM] = lens_position_q48(&c->config->lens, c->zoom_focal_um);
 }
 

@@ -206,6 +206,33 @@ static const char *read_scene(struct words *words, struct request *request) {
                : "expected X Y Z in metres: scene 0 -12.5 1.8";
 }
 
+static const char *read_pan(struct words *words, struct request *request) {
+    static const char *const expected =
+        "expected OBJECT or all, SECONDS up to 3600, and sum or angle if not sum: pan 2 3.5 angle";
+    struct word object, seconds, path;
+    uint32_t number = 0;
+    int64_t duration_us;
+    if (!words_next(words, &object)) {
+        return expected;
+    }
+    request->choice.one_object = !word_is(object, "all");
+    if ((request->choice.one_object && !word_unsigned(object, UINT16_MAX, &number)) ||
+        !words_next(words, &seconds) ||
+        !word_decimal(seconds, 6, REQUEST_PAN_US_MAX, &duration_us) || duration_us < 0) {
+        return expected;
+    }
+    request->choice.object = (uint16_t)number;
+    request->duration_us = (uint32_t)duration_us;
+    request->path = PAN_BY_SUM;
+    if (words_next(words, &path)) {
+        request->path = word_is(path, "angle") ? PAN_BY_ANGLE : PAN_BY_SUM;
+        if (!word_is(path, "angle") && !word_is(path, "sum")) {
+            return expected;
+        }
+    }
+    return words_at_end(words) ? NULL : expected;
+}
+
 static const struct {
     const char *name;
     enum request_kind kind;
@@ -223,6 +250,8 @@ static const struct {
     {"target", REQUEST_UPDATE,
      "target ID dir X Y Z [RADIUS] a direction to watch, radius in degrees"},
     {"gone", REQUEST_UPDATE, "gone ID                      watch it no longer"},
+    {"pan", REQUEST_PAN,
+     "pan OBJECT|all SECONDS       turn to one object, or all; behind it sum or angle"},
     {"get", REQUEST_GET,
      "get [NAME]                   settings that can be changed, with their range"},
     {"set", REQUEST_SET, "set NAME VALUE               change one until the next reset"},
@@ -252,6 +281,8 @@ static const char *read_arguments(struct word name, struct words *words, struct 
         return read_trace(words, request);
     case REQUEST_SCENE:
         return read_scene(words, request);
+    case REQUEST_PAN:
+        return read_pan(words, request);
     default:
         return words_at_end(words) ? NULL : "expected nothing behind this command";
     }

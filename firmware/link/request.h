@@ -4,6 +4,8 @@
 #ifndef LINK_REQUEST_H
 #define LINK_REQUEST_H
 
+#include "aim/framing.h"
+#include "aim/pan.h"
 #include "fixed/must_check.h"
 #include "link/words.h"
 #include "target/target_set.h"
@@ -22,7 +24,8 @@ enum request_kind {
     REQUEST_GET,    ///< name: of a setting; empty: all of them
     REQUEST_SET,    ///< name, value_micro
     REQUEST_TRACE,  ///< on, period_ms
-    REQUEST_SCENE   ///< update.position_um: where to see the scene from
+    REQUEST_SCENE,  ///< update.position_um: where to see the scene from
+    REQUEST_PAN     ///< choice, duration_us, path
 };
 
 /// The target that `aim` and `home` set. No other target may have this number.
@@ -43,7 +46,13 @@ struct request {
     int64_t value_micro;
     bool on;
     uint32_t period_ms;
+    struct framing_choice choice;
+    uint32_t duration_us;
+    enum pan_path path;
 };
+
+/// The longest pan: an hour.
+#define REQUEST_PAN_US_MAX INT64_C(3600000000)
 
 /// Reads a command: `aim 30 10`. text: without the end of the line.
 /// Returns: NULL, or what was expected instead: one line, without an end.

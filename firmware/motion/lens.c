@@ -26,15 +26,14 @@ bool lens_valid(const struct lens_config *lens) {
     return true;
 }
 
-uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle) {
+/// At which half of a side, widened by the margin, is seen under the half-angle.
+static uint32_t focal_for_side_um(const struct lens_config *lens, uint32_t side_um,
+                                  bam32_t half_angle) {
     const uint32_t shortest = lens->point[0].focal_um;
     const uint32_t longest = lens->point[lens->point_count - 1U].focal_um;
     if (half_angle.bam >= BAM32_QUARTER) {
         return shortest;
     }
-    const uint32_t side_um = lens->sensor_width_um < lens->sensor_height_um
-                                 ? lens->sensor_width_um
-                                 : lens->sensor_height_um;
     // side / 2 = focal * tan(half angle) * (1 + margin), times 2^15; rounded down, to the wide
     // side.
     const struct sincos half = trig_sincos(half_angle);
@@ -45,6 +44,19 @@ uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle) {
     }
     const uint32_t focal_um = (uint32_t)(adjacent / opposite);
     return focal_um > shortest ? focal_um : shortest;
+}
+
+uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle) {
+    const bool upright = lens->sensor_width_um < lens->sensor_height_um;
+    return focal_for_side_um(lens, upright ? lens->sensor_width_um : lens->sensor_height_um,
+                             half_angle);
+}
+
+uint32_t lens_focal_of_picture_um(const struct lens_config *lens, bam32_t half_width,
+                                  bam32_t half_height) {
+    const uint32_t wide_um = focal_for_side_um(lens, lens->sensor_width_um, half_width);
+    const uint32_t high_um = focal_for_side_um(lens, lens->sensor_height_um, half_height);
+    return wide_um < high_um ? wide_um : high_um;
 }
 
 /// rise * part / run, rounded to nearest, half upward. part < run.

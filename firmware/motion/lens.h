@@ -23,7 +23,8 @@ struct lens_config {
     struct lens_point point[LENS_TABLE_MAX];
     uint32_t point_count;
     uint32_t sensor_width_um, sensor_height_um; ///< of the image, 1 um to 1 m
-    /// How much wider than the cone the picture's short side is: 0.10 is 6554. At most 10.0.
+    /// How much wider than the cone the picture's short side is, or each side than what it must
+    /// hold: 0.10 is 6554. At most 10.0.
     uint32_t margin_q16;
 };
 
@@ -35,6 +36,12 @@ bool lens_valid(const struct lens_config *lens);
 /// Accuracy: 1 um + 2^-29 / sin(2 half-angle) of the result (tests/property/lens.c).
 /// Cost: two 64-bit divisions.
 uint32_t lens_focal_um(const struct lens_config *lens, bam32_t half_angle);
+
+/// The same for a picture: the longest focal length at which both of its sides, widened by the
+/// margin, are held.
+/// Accuracy: as above (tests/property/lens.c). Cost: four 64-bit divisions.
+uint32_t lens_focal_of_picture_um(const struct lens_config *lens, bam32_t half_width,
+                                  bam32_t half_height);
 
 /// Position of the zoom axis for a focal length, clamped to the table, rounded to nearest.
 int64_t lens_position_q48(const struct lens_config *lens, uint32_t focal_um);

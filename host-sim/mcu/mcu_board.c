@@ -298,6 +298,11 @@ static void command(void *context, uint32_t commands) {
     mcu_board_command(context, commands);
 }
 
+static void start_pan(void *context, const struct controller_pan *pan) {
+    struct mcu_board *board = context;
+    probe_pan(&board->probe, pan);
+}
+
 static void run(void *context, uint64_t until_ns) {
     struct mcu_board *board = context;
     inject_due(board);
@@ -345,7 +350,7 @@ const char *mcu_board_start(struct mcu_board *board, const struct mcu_board_opti
     press(board, KEY_SWITCH, false);
     press(board, PAN_LIMIT, false);
     press(board, TILT_LIMIT, false);
-    board->board = (struct sim_board){attach, push, command, run, board};
+    board->board = (struct sim_board){attach, push, command, start_pan, run, board};
     return NULL;
 }
 

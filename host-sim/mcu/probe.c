@@ -25,6 +25,12 @@ static void hand_in(struct probe *probe, uint32_t input_at, uint8_t *arm) {
         probe->count--;
         count++;
     }
+    if (probe->pan_set) {
+        const bool set = true;
+        memcpy(arm + at->pan_set, &set, sizeof set);
+        layout_to_arm(&layout_controller_pan, &probe->pan, arm + at->pan);
+        probe->pan_set = false;
+    }
     memcpy(arm + at->update_count, &count, sizeof count);
     memcpy(arm + at->commands, &commands, sizeof commands);
     (void)cpu_store(probe->cpu, input_at, arm, at->update + count * at->update_bytes);
@@ -36,6 +42,8 @@ static void read_input(struct probe *probe, const uint8_t *arm) {
     const struct probe_offsets *at = &probe->offsets;
     memcpy(&input->now_us, arm + at->now_us, sizeof input->now_us);
     memcpy(&input->commands, arm + at->commands, sizeof input->commands);
+    memcpy(&input->pan_set, arm + at->pan_set, sizeof input->pan_set);
+    layout_to_host(&layout_controller_pan, arm + at->pan, &input->pan);
     memcpy(&input->frame_count, arm + at->frame_count, sizeof input->frame_count);
     memcpy(&input->update_count, arm + at->update_count, sizeof input->update_count);
     const uint32_t frames = input->frame_count < CONTROLLER_FRAMES_IN_MAX
@@ -137,6 +145,8 @@ static struct probe_offsets find_offsets(void) {
         .input_bytes = layout_arm_bytes(input),
         .now_us = layout_arm_offset(input, "now_us"),
         .commands = layout_arm_offset(input, "commands"),
+        .pan_set = layout_arm_offset(input, "pan_set"),
+        .pan = layout_arm_offset(input, "pan"),
         .frame_count = layout_arm_offset(input, "frame_count"),
         .update_count = layout_arm_offset(input, "update_count"),
         .frame = layout_arm_offset(input, "frame"),
@@ -174,6 +184,11 @@ bool probe_push(struct probe *probe, const struct target_update *update) {
 
 void probe_command(struct probe *probe, uint32_t commands) {
     probe->commands |= commands;
+}
+
+void probe_pan(struct probe *probe, const struct controller_pan *pan) {
+    probe->pan = *pan;
+    probe->pan_set = true;
 }
 
 bool probe_config(const struct cpu *cpu, uint32_t address, struct controller_config *config) {

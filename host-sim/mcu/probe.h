@@ -34,7 +34,8 @@ struct probe_counts {
 
 /// Where things lie in the image's structures, and how long these are.
 struct probe_offsets {
-    uint32_t input_bytes, now_us, commands, frame_count, update_count, frame, update, update_bytes;
+    uint32_t input_bytes, now_us, commands, pan_set, pan, frame_count, update_count, frame, update,
+        update_bytes;
     uint32_t output_bytes;
     uint32_t config, powered, ever_powered;
 };
@@ -52,6 +53,8 @@ struct probe {
     // Waiting to go in.
     struct target_update update[PROBE_UPDATES_MAX];
     uint32_t first, count, commands;
+    bool pan_set;
+    struct controller_pan pan;
     struct probe_counts counts;
     /// After each call. started: the first one since a reset.
     void (*stepped)(void *context, const struct probe_tick *tick, bool started);
@@ -65,6 +68,7 @@ bool probe_init(struct probe *probe, struct cpu *cpu, const struct image *image)
 /// For the next call. False: too many wait.
 bool probe_push(struct probe *probe, const struct target_update *update);
 void probe_command(struct probe *probe, uint32_t commands);
+void probe_pan(struct probe *probe, const struct controller_pan *pan);
 
 /// Settings of the controller, out of the image's memory. False: they are not there.
 bool probe_config(const struct cpu *cpu, uint32_t address, struct controller_config *config);

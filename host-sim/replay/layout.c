@@ -48,8 +48,17 @@ struct layout layout_controller_input = LAYOUT(controller_input, controller_inpu
 // ---------------------------------------------------------------- outputs
 
 static struct layout_field framing_fields[] = {
-    SIGNED_ENUM(framing, status), SAME(framing, ahead_q30), SAME(framing, half_angle_bam32),
-    SAME(framing, framed_count),  SAME(framing, refining),  SAME(framing, work),
+    SIGNED_ENUM(framing, status),
+    SAME(framing, ahead_q30),
+    SAME(framing, half_angle_bam32),
+    SAME(framing, is_picture),
+    SAME(framing, half_width_bam32),
+    SAME(framing, half_height_bam32),
+    SAME(framing, pan_bam32),
+    SAME(framing, tilt_bam32),
+    SAME(framing, framed_count),
+    SAME(framing, refining),
+    SAME(framing, work),
 };
 static struct layout layout_framing = LAYOUT(framing, framing_fields);
 
@@ -93,6 +102,7 @@ static struct layout_field controller_config_fields[] = {
     SAME(controller_config, attitude),
     STRUCT(controller_config, axis, controller_axis_config),
     SAME(controller_config, lens),
+    ENUM(controller_config, frame),
     SAME(controller_config, target_expiry_us),
     SAME(controller_config, tracker),
     SAME(controller_config, silence_us),

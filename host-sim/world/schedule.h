@@ -29,6 +29,7 @@ struct schedule_subject {
 /// horizontal plane. The controller hears of it every period_us, the truth knows it at every tick.
 struct schedule_mover {
     uint32_t id;
+    uint16_t object;
     uint64_t from_us, until_us; ///< until_us 0: for ever
     uint32_t period_us;
     double start_m[3], velocity_mps[3];

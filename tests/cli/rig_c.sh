@@ -32,6 +32,9 @@ home_deg = 12.5
 speed_max_dps = 60
 accel_max_dps2 = 150
 jerk_max_dps3 = 3000
+[camera]
+frame = rect
+sensor_width_mm = 6.4
 [controller]
 tick_us = 5000
 target_expiry_ms = 86400000

@@ -12,11 +12,11 @@ count() { # ELF [ICOUNT]
 # Ends with 1 if a scene is missing or costs too much. Those without a limit are shown only.
 within() { # COUNTS
     printf '%s\n' "$1" | awk -v cycles=$tick_cycles -v percent=$percent '
-        BEGIN { split("crowd wide narrow ring radii burst jumps hard", name, " "); for (i in name) wanted[name[i]] = 1 }
+        BEGIN { split("crowd wide narrow ring radii burst jumps hard rect rect-radii rect-above rect-jumps rect-hard rect-rest pan pan-hard pan-rect pan-rect-hard", name, " "); for (i in name) wanted[name[i]] = 1 }
         $1 != "tick" { print "# " $0; wrong = 1; next }
         {
             part = 100 * $3 / cycles
-            printf "MEASURED tick, %-6s %7d instructions, %3d %% of a millisecond at 168 MHz%s\n", $2, $3, part,
+            printf "MEASURED tick, %-13s %7d instructions, %3d %% of a millisecond at 168 MHz%s\n", $2, $3, part,
                 ($2 in wanted) ? "; allowed: " percent " %" : ""
             if (($2 in wanted) && (part > percent || $3 < 1000)) wrong = 1
             delete wanted[$2]

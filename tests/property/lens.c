@@ -48,7 +48,24 @@ static void focal_lengths_are_as_exact_as_they_say(void) {
     check_note("error beyond 1 um, in 1/1000 of what is allowed, most", (int64_t)(most * 1000.0L));
 }
 
+/// A picture's focal length is the shorter one of those that a cone of each half-angle needs on a
+/// square sensor of that side.
+static void pictures_hold_both_sides(void) {
+    for (int i = 0; i < 100000 && check_clean(); i++) {
+        struct lens_config lens = any_lens(), square = lens;
+        const bam32_t wide = bam32((uint32_t)(check_random(&seed) >> 34)),
+                      high = bam32((uint32_t)(check_random(&seed) >> 34));
+        square.sensor_width_um = lens.sensor_height_um;
+        const uint32_t by_height = lens_focal_um(&square, high);
+        square.sensor_width_um = square.sensor_height_um = lens.sensor_width_um;
+        const uint32_t by_width = lens_focal_um(&square, wide);
+        CHECK_EQ(lens_focal_of_picture_um(&lens, wide, high),
+                 by_width < by_height ? by_width : by_height);
+    }
+}
+
 int main(void) {
     TEST(focal_lengths_are_as_exact_as_they_say);
+    TEST(pictures_hold_both_sides);
     return check_finish();
 }

@@ -74,6 +74,27 @@ static void targets_and_aims(void) {
     CHECK_EQ(desk_cdeg(AXIS_PAN), -2000);
 }
 
+/// From one object to another, with the aim on the way in between.
+static void pans_between_objects(void) {
+    sit_down();
+    CHECK(command("arm", "arm\r\nok\r\n\r> \033[K"));
+    CHECK(command("pan 1 0", "pan 1 0\r\nok\r\n\r> \033[K"));
+    CHECK(command("target 1 0 10 0 0 1 1", "target 1 0 10 0 0 1 1\r\nok\r\n\r> \033[K"));
+    CHECK(command("target 2 dir 1 1 0 0 1 2", "target 2 dir 1 1 0 0 1 2\r\nok\r\n\r> \033[K"));
+    desk_ticks(2000);
+    CHECK_EQ(desk_cdeg(AXIS_PAN), 0);
+    CHECK(command("pan 2 2 angle", "pan 2 2 angle\r\nok\r\n\r> \033[K"));
+    desk_ticks(800);
+    CHECK(desk_loop.pump.output.status.panning);
+    CHECK(desk_cdeg(AXIS_PAN) > 500 && desk_cdeg(AXIS_PAN) < 4000);
+    desk_ticks(3000);
+    CHECK(!desk_loop.pump.output.status.panning);
+    CHECK_EQ(desk_cdeg(AXIS_PAN), 4500);
+    CHECK(command("pan all 0", "pan all 0\r\nok\r\n\r> \033[K"));
+    desk_ticks(2000);
+    CHECK_EQ(desk_cdeg(AXIS_PAN), 2250);
+}
+
 static void wrong_commands_move_nothing(void) {
     sit_down();
     CHECK(command("aim 1",
@@ -107,7 +128,7 @@ static void help_lists_every_command(void) {
     desk_ticks(30);
     static const char *const names[] = {"\nhelp ", "\nstatus ", "\narm ",    "\nstop ",
                                         "\nhome ", "\naim ",    "\ntarget ", "\ngone ",
-                                        "\nget ",  "\nset ",    "\ntrace "};
+                                        "\npan ",  "\nget ",    "\nset ",    "\ntrace "};
     for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
         CHECK(desk_says(names[i]));
     }
@@ -197,6 +218,7 @@ static void any_bytes(void) {
 int main(void) {
     TEST(transcript_of_a_first_session);
     TEST(targets_and_aims);
+    TEST(pans_between_objects);
     TEST(wrong_commands_move_nothing);
     TEST(stop_key_stops);
     TEST(help_lists_every_command);

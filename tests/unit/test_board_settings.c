@@ -177,6 +177,8 @@ static void every_value_counts(void) {
     CHECK(!counts());
     other.axis[AXIS_ZOOM].limits.max_q48 = 7; // of an axis that does not exist
     CHECK(!counts());
+    other.frame = CONTROLLER_FRAME_RECT;
+    CHECK(counts());
 #define COUNTS(member)                                                                             \
     do {                                                                                           \
         other.member++;                                                                            \

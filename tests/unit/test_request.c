@@ -46,6 +46,25 @@ static void words_alone(void) {
     }
 }
 
+static void pans(void) {
+    CHECK(reads("pan 2 3.5 angle", REQUEST_PAN));
+    CHECK(request.choice.one_object && request.choice.object == 2U);
+    CHECK_EQ(request.duration_us, 3500000);
+    CHECK_EQ(request.path, PAN_BY_ANGLE);
+    CHECK(reads("pan all 0", REQUEST_PAN));
+    CHECK(!request.choice.one_object && request.duration_us == 0U);
+    CHECK_EQ(request.path, PAN_BY_SUM);
+    CHECK(reads("pan 65535 3600 sum", REQUEST_PAN));
+    CHECK_EQ(request.duration_us, 3600000000);
+    static const char *const wrong[] = {"pan",          "pan 1",          "pan 65536 1",
+                                        "pan -1 1",     "pan 1 -1",       "pan 1 3601",
+                                        "pan 1 2 line", "pan 1 2 sum 3",  "pan one 2",
+                                        "pan all all",  "pan 1 2 angle x"};
+    for (unsigned i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        CHECK(says(wrong[i], "expected OBJECT or all, SECONDS"));
+    }
+}
+
 static void aims(void) {
     CHECK(reads("aim 90 0", REQUEST_AIM));
     CHECK(request.update.id == REQUEST_AIM_ID && request.update.kind == TARGET_DIRECTION);
@@ -156,6 +175,7 @@ static void any_bytes(void) {
 
 int main(void) {
     TEST(words_alone);
+    TEST(pans);
     TEST(aims);
     TEST(targets);
     TEST(directions);

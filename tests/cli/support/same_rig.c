@@ -67,6 +67,7 @@ static void compare(const struct controller_config *a, const struct controller_c
         compare_axis(&a->axis[axis], &b->axis[axis]);
     }
     compare_lens(&a->lens, &b->lens);
+    SAME(frame);
     SAME(target_expiry_us);
     SAME(tracker.jump_q48);
     SAME(tracker.memory_q16);

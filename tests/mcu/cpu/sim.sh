@@ -35,6 +35,10 @@ closed_loop() { # SCENARIO IMAGE SECONDS
 closed_loop stars $boards/boresight.elf 13
 closed_loop moving $boards/moving/boresight.elf 10
 closed_loop pedestrians $boards/watch/boresight.elf 10
+# A picture framed by its own sides, and pans between two objects that no direction sees at once.
+closed_loop objects $boards/objects/boresight.elf 16
+[ "$(value mcu_step_max "$dir/objects.mcu")" -le 100800 ]
+verdict "objects: a step takes at most 60 % of a millisecond at 168 MHz: $(value mcu_step_max "$dir/objects.mcu") instructions of 100800" $?
 closed_loop hobby $boards/hobby/boresight.elf 12
 [ "$(value trace_hash "$dir/hobby.mcu")" = "$(build/boresight sim host-sim/scenarios/hobby.ini --quiet --mcu $boards/hobby/boresight.elf |
     awk '$1 == "trace_hash" { print $2 }')" ]

@@ -6,22 +6,25 @@
 
 enum framing_status __real_framing_follow(const struct target_set *set,
                                           struct framing_choice choice,
+                                          const struct framing_picture *picture,
                                           struct framing_memory *memory, uint32_t work_limit,
                                           struct framing_workspace *workspace,
                                           struct framing *framing);
 enum framing_status __wrap_framing_follow(const struct target_set *set,
                                           struct framing_choice choice,
+                                          const struct framing_picture *picture,
                                           struct framing_memory *memory, uint32_t work_limit,
                                           struct framing_workspace *workspace,
                                           struct framing *framing);
 
 enum framing_status __wrap_framing_follow(const struct target_set *set,
                                           struct framing_choice choice,
+                                          const struct framing_picture *picture,
                                           struct framing_memory *memory, uint32_t work_limit,
                                           struct framing_workspace *workspace,
                                           struct framing *framing) {
     for (int i = 1; i < TIMES; i++) {
-        (void)__real_framing_follow(set, choice, memory, work_limit, workspace, framing);
+        (void)__real_framing_follow(set, choice, picture, memory, work_limit, workspace, framing);
     }
-    return __real_framing_follow(set, choice, memory, work_limit, workspace, framing);
+    return __real_framing_follow(set, choice, picture, memory, work_limit, workspace, framing);
 }

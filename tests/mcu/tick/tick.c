@@ -208,6 +208,10 @@ struct scene {
     uint32_t radius_um;
     bool ring;        ///< all near one circle, so that who is outermost changes all the time
     uint32_t reports; ///< a tick
+    bool rect;        ///< frames a picture, not a cone
+    bool above;       ///< overhead, where a turn of the pan rolls the picture
+    bool rests;       ///< nothing moves: all the ticks of the search are counted
+    bool pans;        ///< all the time, from one half of them to the other and back
 };
 
 /// A serial line of 115,200 baud carries 11.5 characters a tick, and a report has six at least.
@@ -217,14 +221,85 @@ struct scene {
 #define FULL_REPORTS (CONTROLLER_UPDATES_MAX - 1U)
 
 static const struct scene scenes[] = {
-    {"crowd", 8000000, 6000, 0, false, LINE_REPORTS},
-    {"wide", 80000000, 40000, 0, false, LINE_REPORTS},
-    {"narrow", 30000, 20, 0, false, LINE_REPORTS},
-    {"ring", 8000000, 3000, 0, true, LINE_REPORTS},
-    {"radii", 8000000, 6000, 250000, false, LINE_REPORTS},
-    {"burst", 8000000, 6000, 0, false, FULL_REPORTS},
-    {"jumps", 8000000, 4000000, 0, true, FULL_REPORTS},
-    {"hard", 8000000, 4000000, 250000, true, FULL_REPORTS},
+    {.name = "crowd", .spread_um = 8000000, .step_um = 6000, .reports = LINE_REPORTS},
+    {.name = "wide", .spread_um = 80000000, .step_um = 40000, .reports = LINE_REPORTS},
+    {.name = "narrow", .spread_um = 30000, .step_um = 20, .reports = LINE_REPORTS},
+    {.name = "ring", .spread_um = 8000000, .step_um = 3000, .ring = true, .reports = LINE_REPORTS},
+    {.name = "radii",
+     .spread_um = 8000000,
+     .step_um = 6000,
+     .radius_um = 250000,
+     .reports = LINE_REPORTS},
+    {.name = "burst", .spread_um = 8000000, .step_um = 6000, .reports = FULL_REPORTS},
+    {.name = "jumps",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .ring = true,
+     .reports = FULL_REPORTS},
+    {.name = "hard",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS},
+    {.name = "rect", .spread_um = 8000000, .step_um = 6000, .reports = LINE_REPORTS, .rect = true},
+    {.name = "rect-radii",
+     .spread_um = 8000000,
+     .step_um = 6000,
+     .radius_um = 250000,
+     .reports = LINE_REPORTS,
+     .rect = true},
+    {.name = "rect-above",
+     .spread_um = 8000000,
+     .step_um = 6000,
+     .ring = true,
+     .reports = LINE_REPORTS,
+     .rect = true,
+     .above = true},
+    {.name = "rect-jumps",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .rect = true,
+     .above = true},
+    {.name = "rect-hard",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .rect = true,
+     .above = true},
+    {.name = "rect-rest",
+     .spread_um = 20000000,
+     .radius_um = 250000,
+     .ring = true,
+     .rect = true,
+     .above = true,
+     .rests = true},
+    {.name = "pan", .spread_um = 8000000, .step_um = 6000, .reports = LINE_REPORTS, .pans = true},
+    {.name = "pan-hard",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .pans = true},
+    {.name = "pan-rect",
+     .spread_um = 8000000,
+     .step_um = 6000,
+     .reports = LINE_REPORTS,
+     .rect = true,
+     .pans = true},
+    {.name = "pan-rect-hard",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .rect = true,
+     .pans = true},
 };
 _Static_assert(TARGET_CAPACITY == 256U, "the budgets are those of 256 targets");
 
@@ -258,9 +333,10 @@ static void place_targets(const struct scene *scene) {
             x = unit.x * size >> 30;
             z = unit.z * size >> 30;
         }
-        position_um[i] = add(compiled_rig.position_um, (struct vec3_i64){x, -AHEAD_UM, z});
-        step_um[i] =
-            (struct vec3_i64){random_within(scene->step_um), 0, random_within(scene->step_um)};
+        const int64_t dx = random_within(scene->step_um), dz = random_within(scene->step_um);
+        const struct vec3_i64 ahead = {x, -AHEAD_UM, z}, above = {x, z, AHEAD_UM};
+        position_um[i] = add(compiled_rig.position_um, scene->above ? above : ahead);
+        step_um[i] = scene->above ? (struct vec3_i64){dx, dz, 0} : (struct vec3_i64){dx, 0, dz};
     }
 }
 
@@ -269,6 +345,7 @@ static bool report_targets(const struct scene *scene, uint32_t count, uint32_t *
         position_um[*next] = add(position_um[*next], step_um[*next]);
         const struct target_update update = {.kind = TARGET_POSITION,
                                              .id = 1000U + *next,
+                                             .object = (uint16_t)(*next % 2U),
                                              .weight_q16 = TARGET_WEIGHT_ONE_Q16,
                                              .position_um = position_um[*next],
                                              .radius_um = scene->radius_um};
@@ -279,9 +356,12 @@ static bool report_targets(const struct scene *scene, uint32_t count, uint32_t *
     return true;
 }
 
-static void start_loop(void) {
+static void start_loop(const struct scene *scene) {
     static const char *const no_notes[] = {NULL};
-    static const struct board_config config = {.controller = &compiled_rig, .notes = no_notes};
+    static struct controller_config controller;
+    static const struct board_config config = {.controller = &controller, .notes = no_notes};
+    controller = compiled_rig;
+    controller.frame = scene->rect ? CONTROLLER_FRAME_RECT : CONTROLLER_FRAME_CONE;
     reply_put = reply_taken = 0;
     board_loop_init(&loop, &config,
                     &(struct board_devices){.pump = {.clock = &hal_clock, .can = &can, .pwm = &pwm},
@@ -291,9 +371,19 @@ static void start_loop(void) {
     pump_command(&loop.pump, COMMAND_ARM);
 }
 
+#define PAN_TICKS 60U // and a pan takes 50 ms
+
+static void start_pan(uint32_t tick) {
+    const struct controller_pan pan = {
+        .choice = {.one_object = true, .object = (uint16_t)(tick / PAN_TICKS % 2U)},
+        .duration_us = 50000,
+        .path = PAN_BY_ANGLE};
+    pump_pan(&loop.pump, &pan);
+}
+
 /// Why the scene was not measured, or NULL.
 static const char *run(const struct scene *scene, uint32_t *most) {
-    start_loop();
+    start_loop(scene);
     place_targets(scene);
     uint32_t next = 0;
     *most = 0;
@@ -306,6 +396,9 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         if (!report_targets(scene, reports, &next)) {
             return "reports are left over";
         }
+        if (warm && scene->pans && tick % PAN_TICKS == 0U) {
+            start_pan(tick);
+        }
         const uint32_t start = counter();
         board_loop_tick(&loop, 0);
         const uint32_t count = instructions(start, counter()) - overhead;
@@ -315,10 +408,11 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         if (warm && loop.pump.output.status.mode != MODE_TRACKING) {
             return controller_mode_name(loop.pump.output.status.mode);
         }
-        if (warm && loop.controller.aims_solved == solved) {
+        if (warm && !scene->rests && loop.controller.aims_solved == solved) {
             return "nothing was aimed";
         }
-        *most = warm && count > *most ? count : *most;
+        const bool counts = warm || (scene->rests && tick > 100U);
+        *most = counts && count > *most ? count : *most;
     }
     return NULL;
 }
