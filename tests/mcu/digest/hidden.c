@@ -134,7 +134,7 @@ static void report_all(struct digest *d, struct occlusion *occlusion, uint64_t n
 static void hidden_targets(void) {
     struct digest d = digest_start(67);
     static struct occlusion occlusion;
-    for (int i = 0; i < CHECK_ROUNDS(20); i++) {
+    for (int i = 0; i < 20; i++) {
         const struct shape_set set = boxes_of(&d);
         const struct occlusion_config config = {.shapes = &set,
                                                 .unit_um = 10,
