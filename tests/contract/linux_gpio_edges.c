@@ -195,6 +195,31 @@ static void pulses_of_a_chip_that_leaves(void) {
     }
 }
 
+/// By the thread itself and the clock of this machine: counted, and how late it was is printed.
+static void pulses_in_real_time(void) {
+    static struct linux_gpio_pulses real;
+    linux_gpio_pulses_close(&pulses);
+    memset(&gpiod_model, 0, sizeof gpiod_model);
+    CHECK_EQ(linux_gpio_pulses_open(&real, "gpiochip0", lines, 2), HAL_OK);
+    CHECK_EQ(hal_pwm_set_period(&real.hal, 0, 5000000), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&real.hal, 0, 1500000), HAL_OK);
+    CHECK_EQ(hal_pwm_set_pulse(&real.hal, 1, 1000000), HAL_OK);
+    struct linux_jitter jitter = {.step = 1000};
+    for (int i = 0; i < 30000 && jitter.count < 200U; i++) {
+        linux_gpio_thread_sleep_until(linux_gpio_thread_now_ns() + MS);
+        jitter = (struct linux_jitter){.step = 1000};
+        linux_gpio_pulses_jitter(&real, &jitter);
+    }
+    linux_gpio_pulses_close(&real);
+    CHECK(jitter.count >= 200U);
+    CHECK(!gpiod_model.high[0] && !gpiod_model.high[1]);
+    CHECK_EQ(gpiod_model.held_count, 0);
+    check_note("pulses in real time", (int64_t)jitter.count);
+    check_note("ns too long: half of them at most", (int64_t)linux_jitter_quantile(&jitter, 500));
+    check_note("ns too long: 99 % at most", (int64_t)linux_jitter_quantile(&jitter, 990));
+    check_note("ns too long: all at most", (int64_t)jitter.max);
+}
+
 // ---------------------------------------------------------------- steps
 
 #define STEP_LINE      6U
@@ -315,7 +340,7 @@ int main(void) {
     CONTRACT("linux_gpio_pulses", a_held_up_thread);
     CONTRACT("linux_gpio_pulses", pulses_that_can_not_be_had);
     CONTRACT("linux_gpio_pulses", pulses_of_a_chip_that_leaves);
-    linux_gpio_pulses_close(&pulses);
+    CONTRACT("linux_gpio_pulses", pulses_in_real_time);
     CONTRACT("linux_gpio_steps", steps_arrive);
     CONTRACT("linux_gpio_steps", a_stream_gives_an_even_train);
     CONTRACT("linux_gpio_steps", steps_of_a_chip_that_leaves);
