@@ -151,7 +151,8 @@ enum regular_status regular_compute(const struct regular_input *input,
 ///           space for m forbidden circles: n^2 / 2 for POINTS3_X, n^3 / 6 for POINTS3_PLANE, up to
 ///           n^2 / 2 for SEGMENTS3_PLANE, n faces. options->cylinder: O(m^2 log m) expected, O(m)
 ///           space. POINTS3_XY and _XYZ: a fixed search of O(n^2) a step; see tolerance_is_bound.
-///           Growth and reach: make bench-regular.
+///           Growth and reach: make bench-regular. Up to 20 KB of stack, where two discs are
+///           compared exactly; decide and compute need 2 KB.
 /// Accuracy: which gap or disc is the largest is decided on exact integers (regular/disc.h), but
 ///           with weights, beside segments that share no plane (regular/lone.h) and by the cylinder
 ///           (regular/cylinder.h) to about 2^-45. The direction is within 2 nrad of the centre, and
