@@ -358,8 +358,15 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
         build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
         channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye) &&
         rig_frames_build(&file.camera, &out->ini, &out->camera);
-    return built && (out->board_device == NULL || rig_fits_board(out)) ? EXIT_STATUS_OK
-                                                                       : EXIT_STATUS_USAGE;
+    if (!built || (out->board_device != NULL && !rig_fits_board(out))) {
+        return EXIT_STATUS_USAGE;
+    }
+    if (out->board_device != NULL && out->camera.device[0] != '\0') {
+        ini_complain(&out->ini, "camera", "", "device",
+                     "is not looked at when a board drives the rig: leave it out");
+        return EXIT_STATUS_USAGE;
+    }
+    return EXIT_STATUS_OK;
 }
 
 bool rig_fits_board(const struct rig *rig) {

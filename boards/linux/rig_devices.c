@@ -3,6 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// A camera that refuses a setting is asked again after so long, and so often.
+#define SEND_AGAIN_US 200000U
+#define REFUSALS_MAX  10U
+
 static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
 
 #define GPIO_SCHEME "gpio:"
@@ -75,6 +79,7 @@ static enum hal_status check_reach(struct rig_devices *devices, struct linux_cam
 static enum hal_status open_camera(struct rig_devices *devices, struct rig_output_device *device) {
     enum hal_status status = linux_camera_open(&device->camera, device->text, &devices->clock.hal);
     devices->error = device->camera.error;
+    device->failed_settings = device->refusals = 0;
     if (linux_camera_servo_bind(&device->servo, &device->camera.hal) != HAL_OK) {
         abort(); // can't be: its table is complete
     }
@@ -295,10 +300,27 @@ void rig_devices_close(struct rig_devices *devices) {
     devices->device_count = 0;
 }
 
-void rig_devices_tick(struct rig_devices *devices) {
-    for (unsigned i = 0; i < devices->device_count; i++) {
-        if (devices->device[i].kind == RIG_OUTPUT_MAESTRO) {
-            (void)linux_maestro_poll(&devices->device[i].maestro);
+/// Settings fail in the background: a failed one is sent again, so that the axis does not stay
+/// where it was without anybody knowing.
+static void look_after_camera(struct rig_devices *devices, struct rig_output_device *device) {
+    const uint32_t failed = linux_camera_failed_settings(&device->camera);
+    const uint32_t span_us =
+        hal_clock_span_us(device->refused_us, hal_clock_now_us(&devices->clock.hal));
+    if (failed == device->failed_settings) {
+        device->refusals = span_us > 5U * SEND_AGAIN_US ? 0U : device->refusals;
+        return;
+    }
+    if (device->refusals > 0U && span_us < SEND_AGAIN_US) {
+        return;
+    }
+    device->failed_settings = failed;
+    device->refused_us += span_us;
+    device->refusals++;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct rig_output *output = &devices->output[axis];
+        if (output->device == device &&
+            hal_pwm_set_pulse(device->hal, output->channel, output->pulse_ns) != HAL_OK) {
+            return; // it has left, which is noticed elsewhere
         }
     }
 }
@@ -315,9 +337,41 @@ struct linux_jitter rig_devices_jitter(struct rig_devices *devices) {
     return jitter;
 }
 
+void rig_devices_tick(struct rig_devices *devices) {
+    for (unsigned i = 0; i < devices->device_count; i++) {
+        struct rig_output_device *device = &devices->device[i];
+        if (device->kind == RIG_OUTPUT_MAESTRO) {
+            (void)linux_maestro_poll(&device->maestro);
+        } else if (device->kind == RIG_OUTPUT_CAMERA && !device->lost) {
+            look_after_camera(devices, device);
+        }
+    }
+}
+
+static const struct linux_error *error_of(const struct rig_output_device *device) {
+    return device->kind == RIG_OUTPUT_PWM       ? &device->pwm.error
+           : device->kind == RIG_OUTPUT_MAESTRO ? &device->maestro.error
+           : device->kind == RIG_OUTPUT_CAMERA  ? &device->camera.error
+           : device->kind == RIG_OUTPUT_GPIO    ? &device->pulses.error
+                                                : &device->steps.error;
+}
+
+/// Why the device can't be used any more; NULL: it can.
+static const struct linux_error *loss_of(struct rig_output_device *device, uint32_t channel) {
+    struct hal_pwm_limits limits;
+    if (hal_pwm_limits(device->hal, channel, &limits) == HAL_ERROR_GONE) {
+        return error_of(device);
+    }
+    if (device->kind != RIG_OUTPUT_CAMERA || device->refusals < REFUSALS_MAX) {
+        return NULL;
+    }
+    linux_error_set(&device->camera.error, device->camera.path, "it refuses to be turned",
+                    "unplug it and plug it in again");
+    return &device->camera.error;
+}
+
 /// A device that leaves answers that it is gone to whatever it is asked.
 const char *rig_devices_newly_lost(struct rig_devices *devices) {
-    struct hal_pwm_limits limits;
     const char *lost = rig_buses_newly_lost(&devices->buses);
     if (lost != NULL) {
         return lost;
@@ -325,14 +379,11 @@ const char *rig_devices_newly_lost(struct rig_devices *devices) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct rig_output *output = &devices->output[axis];
         struct rig_output_device *device = output->device;
-        if (device != NULL && !device->lost &&
-            hal_pwm_limits(device->hal, output->channel, &limits) == HAL_ERROR_GONE) {
+        const struct linux_error *loss =
+            device != NULL && !device->lost ? loss_of(device, output->channel) : NULL;
+        if (loss != NULL) {
             device->lost = true;
-            devices->error = device->kind == RIG_OUTPUT_PWM       ? device->pwm.error
-                             : device->kind == RIG_OUTPUT_MAESTRO ? device->maestro.error
-                             : device->kind == RIG_OUTPUT_CAMERA  ? device->camera.error
-                             : device->kind == RIG_OUTPUT_GPIO    ? device->pulses.error
-                                                                  : device->steps.error;
+            devices->error = *loss;
             return devices->error.line;
         }
     }

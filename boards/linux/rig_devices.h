@@ -7,7 +7,8 @@
 /// line) and with `drive = step` for stepper drivers (channel: STEP). `fake` outputs next to real
 /// devices go nowhere. A device that leaves while the rig runs answers HAL_ERROR_GONE;
 /// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
-/// last.
+/// last. A camera that refuses a setting is asked again, and taken for lost when it refuses for two
+/// seconds.
 #ifndef LINUX_RIG_DEVICES_H
 #define LINUX_RIG_DEVICES_H
 
@@ -49,6 +50,8 @@ struct rig_output_device {
     struct linux_gpio_steps steps;
     const struct rig_step *step; ///< NULL: no stepper driver
     struct hal_pwm step_hal;
+    uint32_t failed_settings, refusals; ///< of the camera: seen; in a row
+    uint32_t refused_us;
     const struct hal_pwm *hal;
     bool lost;
 };

@@ -25,6 +25,11 @@ board = serial:/dev/null'
 run run "$at"
 ends not_even_one_that_is_there 2 "$at:2: key 'drive': is uvc, which only this computer can drive, not a board"
 
+sed 's/^\[camera\]/&\ndevice = \/dev\/video0\ndetect = markers/' host-sim/rigs/hobby.ini >"$dir/board.ini"
+printf '[controller]\nboard = serial:/dev/null\n' >>"$dir/board.ini"
+run run "$dir/board.ini"
+verdict a_board_has_no_eyes $([ $status -eq 2 ] && grep -q "'device': is not looked at when a board drives the rig" "$dir/err"; echo $?)
+
 rig /dev/no-such-camera
 run run "$at" --seconds 1
 ends a_missing_camera_is_status_4 4 "$at: $missing"

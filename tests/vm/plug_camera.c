@@ -3,7 +3,8 @@
 /// and tilt have brought it.
 ///
 /// Usage: plug_camera STATE WISH. WISH is read again and again: `lamp|tag PAN_DEG TILT_DEG`, where
-/// the thing is, and behind that `silent` if no frames shall come. STATE always holds `pan tilt
+/// the thing is, and behind that `silent` if no frames shall come, `stubborn` if it shall refuse to
+/// be turned. STATE always holds `pan tilt
 /// zoom settings frames`: where the camera is (degrees, its unit), and what has reached it.
 #include "detect/camera_model.h"
 #include "detect/tags.h"
@@ -127,6 +128,7 @@ static void read_wish(struct stage *stage, const char *path) {
         stage->thing_pan_deg = pan_deg;
         stage->thing_tilt_deg = tilt_deg;
         stage->camera.silent = strcmp(more, "silent") == 0;
+        stage->camera.refuse_next = strcmp(more, "stubborn") == 0 ? UINT32_MAX : 0U;
     }
     fclose(file);
 }
