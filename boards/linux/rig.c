@@ -105,6 +105,11 @@ static bool build_uvc(const struct ini *ini, unsigned axis, const struct rig_axi
 /// Steps as pulses of a PWM drive: see rig.h.
 static bool build_step(const struct ini *ini, const char *name, const struct rig_axis *from,
                        struct drive_pwm_config *pwm, struct rig_step *step) {
+    if (strncmp(from->device, "gpio:", 5) != 0) {
+        ini_complain(ini, name, "", "device", "is '%s'; a stepper driver is on gpio:CHIP",
+                     from->device);
+        return false;
+    }
     const wide per_turn_micro = (wide)from->steps_per_deg_micro * 360;
     const wide range_q48 = (wide)from->limit_max_q48 - from->limit_min_q48;
     const wide count = range_q48 * per_turn_micro / 1000000 / AXIS_TURN_Q48 + 1;
@@ -374,6 +379,11 @@ bool rig_fits_board(const struct rig *rig) {
         if (rig->is_uvc[axis]) {
             ini_complain(&rig->ini, axis_names[axis], "", "drive",
                          "is uvc, which only this computer can drive, not a board");
+            return false;
+        }
+        if (axis < AXIS_ZOOM && rig->step[axis].unit_ns != 0U) {
+            ini_complain(&rig->ini, axis_names[axis], "", "drive",
+                         "is step, which only this computer can drive, not a board");
             return false;
         }
     }

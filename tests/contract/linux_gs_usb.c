@@ -400,6 +400,24 @@ static void a_transfer_fails_whichever(void) {
     check_note("transfers of start, traffic, bus-off and restart", a.transfers);
 }
 
+/// Frames that the adapter did not take make room for others at once.
+static void a_frame_that_fails_frees_its_place(void) {
+    features = 0;
+    reset(NULL);
+    for (uint32_t i = 0; i < 3U * LINUX_GS_USB_SLOTS; i++) {
+        a.fail_nth = a.transfers + 1U;
+        a.failure = HAL_ERROR_IO;
+        CHECK_EQ(send(&a, i), HAL_OK);
+        attend(1);
+    }
+    CHECK_EQ(a.gs.failed_count, 3U * LINUX_GS_USB_SLOTS);
+    CHECK_EQ(state_of(&a.gs).health, HAL_CAN_ACTIVE);
+    a.fail_nth = 0;
+    CHECK_EQ(send(&a, 7), HAL_OK);
+    settle(NULL);
+    CHECK(arrives(&b, 7));
+}
+
 /// A call of the USB layer fails, whichever.
 static void a_call_fails_whichever(void) {
     features = 0;
@@ -461,6 +479,7 @@ int main(void) {
     CONTRACT("linux_gs_usb", unanswered_frames_are_thrown_away);
     CONTRACT("linux_gs_usb", refusals_say_what_to_do);
     CONTRACT("linux_gs_usb", a_transfer_fails_whichever);
+    CONTRACT("linux_gs_usb", a_frame_that_fails_frees_its_place);
     CONTRACT("linux_gs_usb", a_call_fails_whichever);
     CONTRACT("linux_gs_usb", unplugged_at_any_moment);
     return check_finish();

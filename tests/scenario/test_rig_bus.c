@@ -3,6 +3,7 @@
 
 #include "check.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static void texts_that_are_buses(void) {
@@ -59,7 +60,7 @@ static void texts_that_are_none(void) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct rig_bus_address got;
         if (!CHECK(!rig_bus_parse(bad[i], &got))) {
-            check_write(bad[i], strlen(bad[i]));
+            printf("  %s\n", bad[i]);
         }
     }
     char text[600] = "gs_usb:";
