@@ -130,7 +130,7 @@ static bool improve(struct cylinder *c, const struct cell_circle *circles, uint3
         }
     }
     sort_indices(c->list, c->spare, arcs, start_before, c);
-    best->operations += arcs;
+    best->operations += (uint64_t)arcs * (64U - u64_leading_zeros(arcs)); // about
     for (uint32_t i = 0; i <= arcs; i++) {
         const uint64_t next = i == arcs ? UINT64_MAX : c->start[c->list[i]];
         if (next > reach) {
