@@ -202,8 +202,7 @@ static void in_order(const struct model *m) {
         const uint32_t height = height_checked(&m->overlay, m->overlay.root, OVERLAY_NONE, &leaves);
         CHECK(height < OVERLAY_LEVELS_MAX);
     }
-    CHECK_EQ(leaves, m->used);
-    CHECK_EQ(m->overlay.item_count, m->used);
+    CHECK(leaves == m->used && m->overlay.item_count == m->used);
     // A cluster is away exactly if no object below it is in its place.
     const uint32_t parts = m->tree.header->part_count;
     bool *const any = calloc(parts, sizeof *any);
@@ -423,7 +422,6 @@ static void run(enum scene_shape shape, bool flat, unsigned long changes) {
         change(&m);
         const uint64_t touched = m.overlay.nodes_touched - before;
         most = touched > most ? touched : most;
-        // Often in the beginning, then now and then.
         if (i < 20U || i % (changes / look_count + 1U) == 0U || i + 1U == changes) {
             look(&m, shape != SCENE_DETAIL);
         }
@@ -468,9 +466,8 @@ static void takes_little(void) {
     void *const workspace = malloc(room);
     struct overlay overlay;
     CHECK_EQ(overlay_open(&overlay, &tree, MANY, workspace, room), OVERLAY_OK);
-    uint32_t item;
     for (uint32_t i = 0; i < MANY; i++) {
-        uint32_t part;
+        uint32_t part, item;
         do {
             part = solid_below(&seed, tree.header->part_count);
         } while (tree.parts[part].name == TREE_NONE);
