@@ -65,9 +65,34 @@ static struct vec3 offset_of(const struct scene_aim_run *aim, uint32_t item) {
     return item == OVERLAY_NONE ? vec3(0, 0, 0) : aim->options.overlay->items[item].offset;
 }
 
-static uint64_t bound_of_node(const struct scene_aim_run *aim, uint32_t index, uint32_t item) {
+/// The description that a node deserves, and in *px_q8 how large it appears to a camera with a
+/// resolution.
+static const struct tree_description *chosen(const struct scene_aim_run *aim, uint32_t index,
+                                             struct vec3 center, uint32_t *px_q8) {
     const struct tree_node *const node = &aim->tree->nodes[index];
-    return bound_of(aim, overlay_place(tree_center(node), offset_of(aim, item)), node->radius);
+    uint32_t distance = 0;
+    *px_q8 = UINT32_MAX;
+    if (aim->options.focal_px_q8 != 0U) {
+        *px_q8 =
+            view_straight_px_q8(aim->options.focal_px_q8, aim->options.eye, center, node->radius);
+        distance = view_distance(aim->options.eye, center);
+    }
+    return view_choose(aim->tree, node, *px_q8, distance);
+}
+
+/// No point read below the node is farther from the axis. Where its centre stands for all of it,
+/// that is the centre's own angle, and what is lost by it is noted.
+static uint64_t bound_of_node(struct scene_aim_run *aim, uint32_t index, uint32_t item) {
+    const struct tree_node *const node = &aim->tree->nodes[index];
+    const struct vec3 center = overlay_place(tree_center(node), offset_of(aim, item));
+    const uint64_t bound = bound_of(aim, center, node->radius);
+    uint32_t px_q8;
+    if (aim->options.focal_px_q8 == 0U || bound <= aim->least_turn64 ||
+        tree_kind(chosen(aim, index, center, &px_q8)) != TREE_CENTER) {
+        return bound;
+    }
+    aim->result->loss_px_q8 = px_q8 > aim->result->loss_px_q8 ? px_q8 : aim->result->loss_px_q8;
+    return bound_of(aim, center, 0);
 }
 
 static bool is_in_set(const struct scene_aim_run *aim, uint32_t reference, uint32_t item) {
@@ -191,20 +216,14 @@ static bool open_overlay(struct scene_aim_run *aim, uint32_t index) {
 static bool open_node(struct scene_aim_run *aim, uint32_t index, uint32_t item) {
     const struct tree_node *const node = &aim->tree->nodes[index];
     const struct vec3 center = overlay_place(tree_center(node), offset_of(aim, item));
-    uint32_t px_q8 = UINT32_MAX, distance = 0;
-    if (aim->options.focal_px_q8 != 0U) {
-        px_q8 =
-            view_straight_px_q8(aim->options.focal_px_q8, aim->options.eye, center, node->radius);
-        distance = view_distance(aim->options.eye, center);
-    }
-    const struct tree_description *const d = view_choose(aim->tree, node, px_q8, distance);
+    uint32_t px_q8;
+    const struct tree_description *const d = chosen(aim, index, center, &px_q8);
     aim->result->nodes_opened++;
     switch (tree_kind(d)) {
     case TREE_NODES:
         push(aim, d->first, d->count, item);
         return true;
     case TREE_CENTER:
-        aim->result->loss_px_q8 = px_q8 > aim->result->loss_px_q8 ? px_q8 : aim->result->loss_px_q8;
         return meet(aim, index | SCENE_AIM_CENTER, item,
                     from_eye(aim, center.x, center.y, center.z));
     default:
@@ -235,7 +254,8 @@ static bool search_on(struct scene_aim_run *aim) {
     uint64_t bound = top->bound_turn64;
     if (top->end == node + 1U) {
         aim->stack_count--;
-    } else { // of several nodes: this one's own
+    }
+    if (bound == HALF_TURN64 && item != OVERLAY_NODES) { // of several nodes: this one's own
         bound = is_left_out(aim, node, item) ? 0U : bound_of_node(aim, node, item);
     }
     if (bound <= aim->least_turn64 && bound != HALF_TURN64) {

@@ -214,6 +214,7 @@ static struct overlay overlay;
 
 static void open_overlay(void) {
     make_block();
+    CHECK_EQ(overlay_open(&overlay, &tree, 3, workspace, 64), OVERLAY_ERROR_WORKSPACE);
     CHECK_EQ(overlay_open(&overlay, &tree, 3, workspace, sizeof workspace), OVERLAY_OK);
 }
 
