@@ -9,6 +9,10 @@ size_t occlusion_workspace_bytes(const struct shape_set *shapes) {
            ((size_t)shapes->object_count + shapes->face_count) * sizeof(struct sight_piece);
 }
 
+static bool is_near(int64_t um, uint32_t unit_um) {
+    return um / unit_um <= SHAPE_COORDINATE_MAX && um / unit_um >= -SHAPE_COORDINATE_MAX;
+}
+
 bool occlusion_init(struct occlusion *o, const struct occlusion_config *config, void *workspace,
                     size_t workspace_bytes) {
     const struct shape_set *const shapes = config->shapes;
@@ -16,7 +20,9 @@ bool occlusion_init(struct occlusion *o, const struct occlusion_config *config, 
         SIGHT_BOUNDS_MAX(shapes->face_count, shapes->edge_count, shapes->corner_count);
     if (workspace_bytes < occlusion_workspace_bytes(shapes) || config->unit_um < 1U ||
         config->unit_um > 1000000U || config->frame_us < 1000U || config->frame_us > 1000000U ||
-        config->fade_us > config->ahead_us ||
+        config->fade_us > config->ahead_us || !is_near(config->viewpoint_um.x, config->unit_um) ||
+        !is_near(config->viewpoint_um.y, config->unit_um) ||
+        !is_near(config->viewpoint_um.z, config->unit_um) ||
         config->ahead_us / config->frame_us > OCCLUSION_FRAMES_MAX) {
         return false;
     }
@@ -39,12 +45,11 @@ static uint32_t find(const struct occlusion *o, uint32_t id) {
     return i;
 }
 
+/// Micrometres a second; 1000 km/s and more is no motion but another place.
 static int64_t rate(int64_t from, int64_t to, uint64_t elapsed_us) {
-    const int64_t way = to - from;
-    // Faster than 1000 km/s in this frame counts as standing: it is another place.
-    return way < INT64_C(1000000000000) && way > -INT64_C(1000000000000)
-               ? way * 1000000 / (int64_t)elapsed_us
-               : 0;
+    const int64_t most = INT64_C(1000000000000), way = to - from;
+    const int64_t velocity = way < most && way > -most ? way * 1000000 / (int64_t)elapsed_us : most;
+    return velocity < most && velocity > -most ? velocity : 0;
 }
 
 /// The mean of the last few velocities; the first one as it is.
@@ -96,19 +101,16 @@ bool occlusion_report(struct occlusion *o, const struct target_update *update, u
 
 void occlusion_move(struct occlusion *o, uint32_t group, struct vec3_i64 offset_um,
                     struct vec3_i64 velocity_umps, uint64_t now_us) {
-    const int64_t unit = o->config->unit_um;
     if (group < OCCLUSION_GROUPS_MAX) {
-        o->group[group] = (struct occlusion_group){vec3((int32_t)(offset_um.x / unit),
-                                                        (int32_t)(offset_um.y / unit),
-                                                        (int32_t)(offset_um.z / unit)),
-                                                   velocity_umps, now_us};
+        o->group[group] = (struct occlusion_group){offset_um, velocity_umps, now_us};
     }
 }
 
 // ---------------------------------------------------------------- what is in sight
 
-/// value * us / 10^6.
-static int64_t travel(int64_t velocity, uint64_t us) {
+/// velocity * us / 10^6; after 1000 s without news nothing goes on.
+static int64_t travel(int64_t velocity, uint64_t elapsed_us) {
+    const uint64_t us = elapsed_us < 1000000000U ? elapsed_us : 1000000000U;
     return velocity / 1000 * (int64_t)us / 1000 + velocity % 1000 * (int64_t)us / 1000000;
 }
 
@@ -118,27 +120,32 @@ static struct vec3_i64 position_at(const struct occlusion_target *t, uint64_t at
     return (struct vec3_i64){p.x + travel(v.x, us), p.y + travel(v.y, us), p.z + travel(v.z, us)};
 }
 
-static struct vec3 viewpoint_units(const struct occlusion *o) {
-    const struct vec3_i64 v = o->config->viewpoint_um;
+/// The eye that sees a group as it is without its offset: moved back. False: too far away.
+static bool eye_of(const struct occlusion *o, uint32_t group, uint64_t at_us, struct vec3 *out) {
+    const struct occlusion_group *const g = &o->group[group % OCCLUSION_GROUPS_MAX];
+    const uint64_t us = at_us > g->since_us ? at_us - g->since_us : 0U;
+    const struct vec3_i64 from = o->config->viewpoint_um, by = g->offset_um, v = g->velocity_umps;
     const int64_t unit = o->config->unit_um;
-    return vec3((int32_t)(v.x / unit), (int32_t)(v.y / unit), (int32_t)(v.z / unit));
+    const int64_t eye[3] = {(from.x - by.x - travel(v.x, us)) / unit,
+                            (from.y - by.y - travel(v.y, us)) / unit,
+                            (from.z - by.z - travel(v.z, us)) / unit};
+    for (unsigned k = 0; k < 3U; k++) {
+        if (eye[k] > REACH / 2 || eye[k] < -REACH / 2) {
+            return false;
+        }
+    }
+    *out = vec3((int32_t)eye[0], (int32_t)eye[1], (int32_t)eye[2]);
+    return true;
 }
 
-/// The shadows with all groups where they are at a time. An object that is moved by an offset is
-/// seen from an eye that is moved back.
+/// The shadows with all groups where they are at a time.
 static void cast_shadows(struct occlusion *o, uint64_t at_us) {
-    const struct vec3 eye = viewpoint_units(o);
-    const int64_t unit = o->config->unit_um;
     o->sight.bound_count = o->sight.piece_count = 0;
     for (uint32_t i = 0; i < o->config->shapes->object_count; i++) {
         const uint32_t group = o->config->group == NULL ? 0U : o->config->group[i];
-        const struct occlusion_group *const g = &o->group[group % OCCLUSION_GROUPS_MAX];
-        const uint64_t us = at_us > g->since_us ? at_us - g->since_us : 0U;
-        const struct vec3_i64 v = g->velocity_umps;
-        o->sight.eye = vec3(eye.x - g->offset.x - (int32_t)(travel(v.x, us) / unit),
-                            eye.y - g->offset.y - (int32_t)(travel(v.y, us) / unit),
-                            eye.z - g->offset.z - (int32_t)(travel(v.z, us) / unit));
-        (void)sight_add(&o->sight, o->config->shapes, i); // there is room: occlusion_init
+        if (eye_of(o, group, at_us, &o->sight.eye)) {
+            (void)sight_add(&o->sight, o->config->shapes, i); // there is room: occlusion_init
+        }
     }
 }
 

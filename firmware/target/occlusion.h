@@ -62,9 +62,9 @@ struct occlusion_target {
     uint64_t shows_us;        ///< hidden now: the first frame when it is
 };
 
-/// Where a group of objects is: moved by `offset`, in units.
+/// Where a group of objects is.
 struct occlusion_group {
-    struct vec3 offset;
+    struct vec3_i64 offset_um;
     struct vec3_i64 velocity_umps;
     uint64_t since_us;
 };
@@ -84,7 +84,8 @@ struct occlusion {
 /// Bytes of workspace for the shadows, aligned to 8.
 size_t occlusion_workspace_bytes(const struct shape_set *shapes);
 
-/// False: the workspace is too small, or the settings are out of range. config must outlive it.
+/// False: the workspace is too small, or the settings are out of range (the viewpoint may be 2^28
+/// units from the origin). config must outlive it.
 bool occlusion_init(struct occlusion *occlusion, const struct occlusion_config *config,
                     void *workspace, size_t workspace_bytes) MUST_CHECK;
 
@@ -92,7 +93,8 @@ bool occlusion_init(struct occlusion *occlusion, const struct occlusion_config *
 bool occlusion_report(struct occlusion *occlusion, const struct target_update *update,
                       uint64_t now_us) MUST_CHECK;
 
-/// A group is there, and moves on so.
+/// A group is there, and moves on so. What is 2^29 units from the viewpoint or farther hides
+/// nothing.
 void occlusion_move(struct occlusion *occlusion, uint32_t group, struct vec3_i64 offset_um,
                     struct vec3_i64 velocity_umps, uint64_t now_us);
 

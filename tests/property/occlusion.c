@@ -245,6 +245,10 @@ static void visible_part(void) {
     CHECK(out.weight_q16 == TARGET_WEIGHT_ONE_Q16 && out.radius_um < 2400000U);
     CHECK(occlusion_next(&o, &out) && out.id == 6U && out.weight_q16 == 0U);
     CHECK(!occlusion_next(&o, &out));
+    // The wall goes as far as numbers do: it hides nothing any more.
+    occlusion_move(&o, 0, (struct vec3_i64){INT64_C(1) << 60, 0, 0}, (struct vec3_i64){0, 0, 0}, 0);
+    CHECK(occlusion_step(&o, FRAME_US));
+    CHECK(o.target[0].samples_seen == OCCLUSION_SAMPLES && o.target[1].samples != 0U);
     free(workspace);
     hidden_scene_close(&scene);
 }
