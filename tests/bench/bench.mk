@@ -34,3 +34,9 @@ bench-scene: ## Measure how many points aiming at a scene reads, beside the flat
 bench-regular: $(B)/gcc/tests/bench/regular/growth ## Count how the cost of regular projections grows, and time how far they reach
 	@mkdir -p $(B)/bench
 	@$< | tee $(B)/bench/regular.txt
+
+detect_frames := $(foreach t,tag marker motion,$(B)/gcc/tests/property/$(t)_frames)
+.PHONY: bench-detect
+bench-detect: $(detect_frames) ## Count the instructions of the detectors on rendered frames
+	@.ci/need bench
+	@sh tests/bench/detect.sh $(B)

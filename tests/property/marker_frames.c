@@ -69,7 +69,7 @@ static void measure(uint32_t frame_count, double low, double high, uint8_t luma_
         return;
     }
     score = (struct score){.confidence_least = 1.0};
-    for (uint32_t n = 0; n < frame_count; n++) {
+    for (uint32_t n = 0; n < frames_many(frame_count); n++) {
         struct render_object objects[PER_FRAME];
         for (uint32_t k = 0; k < PER_FRAME; k++) {
             objects[k] = place_lamp(k, frames_any(&frames, low, high),

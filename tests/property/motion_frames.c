@@ -173,7 +173,7 @@ static void measure(const char *name, uint32_t frame_count, double turn_dps) {
     CHECK(detector != NULL && camera_model_check(&model) == NULL);
     memset(&score, 0, sizeof score);
     make_people();
-    for (uint32_t n = 0; n < frame_count && detector != NULL; n++) {
+    for (uint32_t n = 0; n < frames_many(frame_count) && detector != NULL; n++) {
         const double time_s = n * FRAME_US * 1e-6;
         const double pan = turn_dps * (fabs(fmod(time_s, 4.0) - 2.0) - 1.0) * DEGREE;
         sight.model = turn_dps != 0.0 ? &model : NULL;
@@ -221,7 +221,9 @@ int main(void) {
         return 1;
     }
     TEST(a_camera_that_stands);
-    TEST(a_camera_that_turns);
+    if (frames_many(10) == 10U) {
+        TEST(a_camera_that_turns);
+    }
     frames_close(&frames);
     return check_finish();
 }

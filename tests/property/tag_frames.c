@@ -116,7 +116,7 @@ static void measure(const char *family, uint32_t frame_count, uint32_t id_count,
     CHECK(tags != NULL);
     memset(&score, 0, sizeof score);
     score.confidence_least = 1.0;
-    for (uint32_t n = 0; n < frame_count && tags != NULL; n++) {
+    for (uint32_t n = 0; n < frames_many(frame_count) && tags != NULL; n++) {
         struct render_object objects[PER_FRAME];
         double corners[PER_FRAME][4][3];
         uint32_t ids[PER_FRAME], cells = 0;

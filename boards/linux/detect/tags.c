@@ -74,7 +74,9 @@ struct tags *tags_create(const char *family) {
     }
     apriltag_detector_add_family_bits(tags->detector, tags->family, tags->kind->corrected_bits);
     tags->detector->nthreads = 1;
-    tags->detector->quad_decimate = 1.0F; // small tags count for more than speed
+    // Squares are looked for in half the picture, their edges and bits in the whole: five times as
+    // fast, and from 30 px of width up as many are found (tests/property/tag_frames.c).
+    tags->detector->quad_decimate = 2.0F;
     tags->detector->refine_edges = true;
     return tags;
 }

@@ -46,6 +46,9 @@ struct hal_camera_luma frames_draw_from(struct frames *frames, const struct came
                                         const struct render_object *objects, uint32_t count,
                                         const struct render_sensor *sensor);
 
+/// So many frames; a tenth where only their cost counts (make bench-detect sets BENCH).
+uint32_t frames_many(uint32_t full);
+
 /// Seconds of processor time of this thread, for notes only.
 double frames_cpu_s(void);
 
