@@ -230,8 +230,8 @@ static enum exit_status aim_rect(const struct command *command, const struct set
     }
     // As printed, with 12 decimals: the picture is that of the angles that are read.
     const double scale = 1e12 * MEASURE_DEG_PER_RAD;
-    const double pan_deg = round(frame.pan_rad * scale) / 1e12,
-                 tilt_deg = round(frame.tilt_rad * scale) / 1e12;
+    const double pan_deg = round(frame.pan_rad * scale) / 1e12 + 0.0, // no -0
+        tilt_deg = round(frame.tilt_rad * scale) / 1e12 + 0.0;
     const double pan_rad = pan_deg / MEASURE_DEG_PER_RAD, tilt_rad = tilt_deg / MEASURE_DEG_PER_RAD;
     frame.slope = rect_slope(points, picture->width, picture->height, pan_rad, tilt_rad);
     const struct aimed aimed = {.method = "rect",

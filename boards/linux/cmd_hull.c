@@ -35,7 +35,7 @@ static enum exit_status print_hull(const struct settings *settings, const struct
     return hemispherical ? EXIT_STATUS_OK : EXIT_STATUS_INFEASIBLE;
 }
 
-static enum exit_status hull(const struct command *command, const struct settings *settings,
+static enum exit_status hull(const struct command *command, const void *settings,
                              const struct points *points) {
     const size_t bytes = HULL_WORKSPACE_BYTES(points->count);
     void *const workspace = malloc(bytes);
@@ -58,21 +58,7 @@ static enum exit_status hull(const struct command *command, const struct setting
 
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
-    struct points_format format;
-    const char *file = NULL;
-    size_t operands;
-    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands) ||
-        !point_options_format(command->name, &settings.points, &format)) {
-        return EXIT_STATUS_USAGE;
-    }
-    struct points points;
-    enum exit_status status = points_read(file, &format, &points);
-    if (status == EXIT_STATUS_OK) {
-        status = hull(command, &settings, &points);
-    }
-    points_free(&points);
-    return status;
+    return point_options_run(command, argc, argv, &settings, &settings.points, hull);
 }
 
 const struct command command_hull = {

@@ -244,7 +244,7 @@ static enum exit_status pan(const struct command *command, const struct settings
         axis_q30[i] = objects->object[i].axis_q30;
         heaviest = objects->from[i] > objects->from[heaviest] ? i : heaviest;
     }
-    struct vec3 last_q30 = axis_q30[heaviest];
+    struct vec3 last_q30 = objects->object[heaviest].axis_q30;
     enum exit_status status = EXIT_STATUS_OK;
     for (uint64_t step = 0; step <= settings->steps && status == EXIT_STATUS_OK; step++) {
         weights_at(objects, step, settings->steps, weights);
@@ -262,8 +262,13 @@ static enum exit_status pan(const struct command *command, const struct settings
     return status;
 }
 
-static enum exit_status pan_objects(const struct command *command, const struct settings *settings,
+static enum exit_status pan_objects(const struct command *command, const void *context,
                                     const struct points *points) {
+    const struct settings *const settings = context;
+    if (settings->steps > STEPS_MOST) {
+        message_command(command->name, "--steps: at most %d", STEPS_MOST);
+        return EXIT_STATUS_USAGE;
+    }
     static struct objects objects;
     objects.count = 0;
     if (points->count == 0U) {
@@ -282,27 +287,8 @@ static enum exit_status pan_objects(const struct command *command, const struct 
 }
 
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
-    struct settings settings = {.steps = 10};
-    struct points_format format;
-    const char *file = NULL;
-    size_t operands;
-    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands) ||
-        !point_options_format(command->name, &settings.points, &format)) {
-        return EXIT_STATUS_USAGE;
-    }
-    if (settings.steps > STEPS_MOST) {
-        message_command(command->name, "--steps: at most %d", STEPS_MOST);
-        return EXIT_STATUS_USAGE;
-    }
-    format.named = true;
-    struct points points;
-    enum exit_status status = points_read(file, &format, &points);
-    if (status == EXIT_STATUS_OK) {
-        status = pan_objects(command, &settings, &points);
-    }
-    points_free(&points);
-    return status;
+    struct settings settings = {.steps = 10, .points = {.named = true}};
+    return point_options_run(command, argc, argv, &settings, &settings.points, pan_objects);
 }
 
 const struct command command_pan = {

@@ -106,8 +106,9 @@ static void write_text(struct facts *facts, const struct points *points,
     }
 }
 
-static enum exit_status draw(const struct command *command, const struct settings *settings,
+static enum exit_status draw(const struct command *command, const void *context,
                              const struct points *points) {
+    const struct settings *const settings = context;
     const size_t bytes = VORONOI_WORKSPACE_BYTES(points->count);
     void *const workspace = malloc(bytes);
     if (workspace == NULL && bytes != 0U) {
@@ -137,21 +138,7 @@ static enum exit_status draw(const struct command *command, const struct setting
 
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
-    struct points_format format;
-    const char *file = NULL;
-    size_t operands;
-    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands) ||
-        !point_options_format(command->name, &settings.points, &format)) {
-        return EXIT_STATUS_USAGE;
-    }
-    struct points points;
-    enum exit_status status = points_read(file, &format, &points);
-    if (status == EXIT_STATUS_OK) {
-        status = draw(command, &settings, &points);
-    }
-    points_free(&points);
-    return status;
+    return point_options_run(command, argc, argv, &settings, &settings.points, draw);
 }
 
 const struct command command_voronoi = {

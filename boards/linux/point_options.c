@@ -21,3 +21,25 @@ bool point_options_format(const char *command, const struct point_options *optio
 const char *point_options_name_of(const void *points, uint32_t index) {
     return points_name(points, index);
 }
+
+enum exit_status point_options_run(const struct command *command, int argc, char *const *argv,
+                                   void *settings, const struct point_options *options,
+                                   enum exit_status (*work)(const struct command *command,
+                                                            const void *settings,
+                                                            const struct points *points)) {
+    struct points_format format;
+    const char *file = NULL;
+    size_t operands;
+    if (!options_read(command->name, command->options, command->option_count, argc, argv, settings,
+                      &file, 1, &operands) ||
+        !point_options_format(command->name, options, &format)) {
+        return EXIT_STATUS_USAGE;
+    }
+    struct points points;
+    enum exit_status status = points_read(file, &format, &points);
+    if (status == EXIT_STATUS_OK) {
+        status = work(command, settings, &points);
+    }
+    points_free(&points);
+    return status;
+}

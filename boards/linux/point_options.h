@@ -2,6 +2,7 @@
 #ifndef LINUX_POINT_OPTIONS_H
 #define LINUX_POINT_OPTIONS_H
 
+#include "command.h"
 #include "options.h"
 #include "points.h"
 
@@ -49,6 +50,14 @@ extern const char *const point_inputs[];
 /// The format that the options ask for. False: told on stderr what does not go together.
 bool point_options_format(const char *command, const struct point_options *options,
                           struct points_format *out);
+
+/// Runs a command that reads one file of points and has no other arguments: the options into
+/// settings, of which `options` is a part, then the points, then `work` with both.
+enum exit_status point_options_run(const struct command *command, int argc, char *const *argv,
+                                   void *settings, const struct point_options *options,
+                                   enum exit_status (*work)(const struct command *command,
+                                                            const void *settings,
+                                                            const struct points *points));
 
 /// A point's name for facts_indices; context is a struct points.
 const char *point_options_name_of(const void *points, uint32_t index);

@@ -170,8 +170,9 @@ static uint32_t divide(const struct search *search, struct interval *intervals, 
 }
 
 /// The best pan for the working set: the whole turn is divided until what is left is too small to
-/// hold two minima that differ, and that is searched.
-static struct interval best_pan(const struct search *search, struct interval *intervals) {
+/// hold two minima that differ, and that is searched. seen_from: a pan that sees every point.
+static struct interval best_pan(const struct search *search, double seen_from,
+                                struct interval *intervals) {
     const double first = pi / INTERVALS_FIRST;
     uint32_t count = INTERVALS_FIRST;
     struct interval best = {.slope = HUGE_VAL};
@@ -180,6 +181,10 @@ static struct interval best_pan(const struct search *search, struct interval *in
         keep_better(&best, intervals[i]);
     }
     keep_better(&best, refine(search, best.middle, 2 * first));
+    // Near 90 degrees the pans that see every point are fewer than any interval is wide.
+    keep_better(&best, refine(search, seen_from, first));
+    keep_better(&best, refine(search, seen_from, 1e-6));
+    keep_better(&best, refine(search, seen_from, 1e-9));
     double half_width = first;
     while (half_width > smallest_half_width) {
         const uint32_t divided = divide(search, intervals, count, &best);
@@ -278,12 +283,13 @@ bool rect_solve(const struct points *points, double width, double height, struct
     struct search search = {.points = points, .width = width / larger, .height = height / larger};
     struct interval best = {.middle = atan2(ahead_q30.x, ahead_q30.y),
                             .tilt = atan2(ahead_q30.z, hypot(ahead_q30.x, ahead_q30.y))};
+    const double seen_from = best.middle;
     double slope = read_all(&search, best.middle, best.tilt);
     // What a working set asks for, all points ask for at least. So once no point asks for more at
     // its optimum, that is the optimum of all.
     for (uint32_t before = 0; before != search.count;) {
         before = search.count;
-        best = best_pan(&search, intervals);
+        best = best_pan(&search, seen_from, intervals);
         slope = read_all(&search, best.middle, best.tilt);
         if (slope <= best.slope * (1 + 1e-12)) {
             break;

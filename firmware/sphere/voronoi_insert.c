@@ -136,9 +136,13 @@ static bool find_side_of(const struct insertion *in, uint32_t triangle, uint32_t
     return false;
 }
 
-/// The side of the border to whose new triangle a waiting site goes. Walks over the triangles that
-/// both sites see, from the one it waits at: at the border it mostly sees a new one. Where what
-/// both see is not connected, all sides are tried; one of the new triangles it does see.
+/// The side of the border to whose new triangle a waiting site goes: the first that it sees, on a
+/// walk over the triangles that both sites see, from the one it waits at. There is one: at a side
+/// whose two old triangles the other site both sees, it sees the new one, too, because that lies in
+/// their pencil, between them. So if it saw no new triangle beside those of the walk, none beyond
+/// their sides would be seen by it: they would be all that it sees, which is connected, and it
+/// would see no new triangle at all, since who sees a new one sees one of the two old ones at its
+/// side. But every site is a corner of the hull, and sees something.
 static uint32_t find_side(struct insertion *in, uint32_t other, uint32_t site) {
     uint32_t count = 1, side = 0;
     const uint32_t round = in->mark[in->at[other]];
@@ -155,11 +159,6 @@ static uint32_t find_side(struct insertion *in, uint32_t other, uint32_t site) {
                 in->visit[next] = in->walks;
                 in->walk[count++] = next;
             }
-        }
-    }
-    for (side = 0; side + 1U < in->border_count / 2U; side++) {
-        if (would_see(in, other, site, side)) {
-            break;
         }
     }
     return side;

@@ -35,8 +35,8 @@ static uint32_t trials_by(const struct bench_method *method, uint32_t trials) {
 }
 
 static bool is_run(const struct bench_method *method, enum bench_set set, uint32_t n) {
-    const bool on_hull =
-        set == BENCH_CIRCLE || set == BENCH_HALF_CIRCLE || set == BENCH_SPIRAL; // its last turn
+    const bool on_hull = set == BENCH_CIRCLE || set == BENCH_HALF_CIRCLE ||
+                         set == BENCH_EXACT_CIRCLE || set == BENCH_SPIRAL; // its last turn
     return (method->most_points == 0U || n <= method->most_points) &&
            !(on_hull && method->most_on_hull != 0U && n > method->most_on_hull) &&
            !(method->needs_feasible && set == BENCH_SPHERE);

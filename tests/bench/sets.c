@@ -3,8 +3,9 @@
 #include <math.h>
 
 const char *const bench_set_names[BENCH_SETS] = {
-    "uniform cap 20", "truncated cone",  "planar normal", "fixed silhouette", "on a circle",
-    "half a circle",  "near-hemisphere", "spiral",        "surface (1982)",   "whole sphere"};
+    "uniform cap 20", "truncated cone", "planar normal", "fixed silhouette",
+    "on a circle",    "half a circle",  "exact circle",  "near-hemisphere",
+    "spiral",         "surface (1982)", "whole sphere"};
 
 struct direction {
     double x, y, z;
@@ -62,6 +63,13 @@ static struct direction draw(enum bench_set set, uint32_t i, uint32_t n, uint64_
     }
 }
 
+/// x = cos t and y = sin t with t / 2 of a rational tangent, by Euclid's formula.
+static struct vec3 on_exact_circle(uint32_t i, uint32_t n) {
+    const double half_turn = M_PI * (i + 0.5) / n, size = 32700.0;
+    const int64_t p = lround(size * cos(half_turn)), q = lround(size * sin(half_turn));
+    return vec3((int32_t)(p * p - q * q), (int32_t)(2 * p * q), (int32_t)(p * p + q * q));
+}
+
 void bench_fill(enum bench_set set, uint32_t n, uint64_t seed, struct vec3 *points) {
     uint64_t state = seed * UINT64_C(0x9e3779b97f4a7c15) + 1U;
     const struct direction z = at_angle(2.0 * uniform(&state) - 1.0, 2.0 * M_PI * uniform(&state));
@@ -69,6 +77,10 @@ void bench_fill(enum bench_set set, uint32_t n, uint64_t seed, struct vec3 *poin
     struct direction x = {-z.y / length, z.x / length, 0.0};
     struct direction y = {z.y * x.z - z.z * x.y, z.z * x.x - z.x * x.z, z.x * x.y - z.y * x.x};
     for (uint32_t i = 0; i < n; i++) {
+        if (set == BENCH_EXACT_CIRCLE) {
+            points[i] = on_exact_circle(i, n);
+            continue;
+        }
         struct direction d = draw(set, i, n, &state);
         if (set != BENCH_SURFACE) {
             d = (struct direction){d.x * x.x + d.y * y.x + d.z * z.x,

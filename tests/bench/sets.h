@@ -21,6 +21,10 @@ enum bench_set {
     BENCH_CIRCLE,
     /// The same on half of it, in order: what algorithm C shrinks slowest on.
     BENCH_HALF_CIRCLE,
+    /// All exactly on one circle, evenly and in order: Pythagorean triples (a, b, c) with a^2 + b^2
+    /// =
+    /// c^2, of any length. Each circle that algorithm C tries drops two points: n / 2 of them.
+    BENCH_EXACT_CIRCLE,
     /// Uniform on a cap of 89.9 degrees.
     BENCH_NEAR_HEMISPHERE,
     /// Winding outward, 16 turns, to 20 degrees: each point beyond all before it.
@@ -35,8 +39,8 @@ enum bench_set {
 
 extern const char *const bench_set_names[BENCH_SETS];
 
-/// Fills n unit vectors in Q1.30. All sets but the surface are turned about a random axis. The same
-/// seed gives the same set.
+/// Fills n unit vectors in Q1.30 (the exact circle: of any length). All sets but the surface and
+/// the exact circle are turned about a random axis. The same seed gives the same set.
 void bench_fill(enum bench_set set, uint32_t n, uint64_t seed, struct vec3 *points);
 
 #endif

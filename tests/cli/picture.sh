@@ -94,6 +94,16 @@ verdict 'at the zenith the diagonal lies along the points' $?
 printf '1 0 0\n-1 0 0\n' >"$dir/in.txt"
 run aim --frame rect --aspect 4:3 --json "$dir/in.txt"
 has 'a rectangle that nothing holds' 3 'feasible=false' 'count=2'
+# One unit from the boundary: the picture is nearly 180 degrees wide, and it is found. On it: none.
+printf '2147483647 1 0\n-2147483647 1 0\n' >"$dir/edge.txt"
+run aim --frame rect --aspect 4:3 --json "$dir/edge.txt"
+has 'a rectangle one unit from the boundary' 0 'feasible=true' 'pan_deg=0.000000000000' 'tilt_deg=0.000000000000'
+facts
+awk -F= '/^hfov_deg=/ { n += $2 > 179.9999999 && $2 < 180 } /^vfov_deg=/ { n += $2 > 179.9999999 && $2 < 180 } END { exit n != 2 }' "$dir/facts"
+verdict 'and it is below 180 degrees' $?
+printf '2147483647 0 0\n-2147483647 0 0\n' >"$dir/edge.txt"
+run aim --frame rect --aspect 4:3 --json "$dir/edge.txt"
+has 'no rectangle on the boundary' 3 'feasible=false'
 run aim --frame rect <"$dir/none"
 ends 'no aspect' 2 'boresight aim: --frame rect needs --aspect W:H'
 for aspect in 16 16: :9 0:1 1:-1 x:y 1:2000; do

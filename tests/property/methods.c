@@ -16,6 +16,9 @@
 
 #include "sphere/certify.h"
 
+#include "sphere/shrink.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -237,6 +240,27 @@ static void errors_are_named(void) {
     methods_check_capacities();
 }
 
+/// The quadratic case of algorithm C: points exactly on one circle (Pythagorean triples) cost it a
+/// circle for every two of them, so n^2 reads in all. Rounded to Q1.30 they would not: that breaks
+/// the ties.
+static void algorithm_c_is_quadratic(void) {
+    static struct vec3 points[800];
+    static int64_t workspace[SHRINK_WORKSPACE_BYTES(800) / sizeof(int64_t) + 1U];
+    for (uint32_t n = 100; n <= 800U; n *= 2U) {
+        for (uint32_t i = 0; i < n; i++) {
+            const double half_turn = 3.14159265358979323846 * (i + 0.5) / n;
+            const int64_t p = lround(32700 * cos(half_turn)), q = lround(32700 * sin(half_turn));
+            points[i] =
+                vec3((int32_t)(p * p - q * q), (int32_t)(2 * p * q), (int32_t)(p * p + q * q));
+        }
+        struct shrink_result result;
+        CHECK_EQ(shrink_narrowest(points, n, workspace, sizeof workspace, &result), CONE_OK);
+        CHECK_EQ(result.hull_size, n);
+        CHECK_EQ(result.iterations, n / 2U - 1U);
+        CHECK(result.corner_reads > (uint64_t)n * n / 3U);
+    }
+}
+
 int main(void) {
     const char *seed_text = getenv("SEED"), *count_text = getenv("COUNT");
     seed = seed_text != NULL ? strtoull(seed_text, NULL, 0) | 1U : 19820101U;
@@ -248,6 +272,7 @@ int main(void) {
     TEST(every_set_of_up_to_three);
     TEST(larger_sets);
     TEST(certificates_refuse);
+    TEST(algorithm_c_is_quadratic);
     printf("# worst excess %.3f nrad\n", excess_rad_max * 1e9);
     exact_roots_free();
     cone_check_free();
