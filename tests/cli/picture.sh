@@ -23,7 +23,8 @@ run aim --project "$dir/points.txt"
 grep -q '^  4    0 0  distortion 1$' "$dir/out"
 verdict 'image as text' $?
 
-# Segments: in front; through the plane of the viewer; with an end in it; behind; through the eye; both ends one.
+# Segments: in front; through the plane of the viewer; with an end in it; behind; through the eye; both ends one; from behind; in the
+# plane; with an end in it and one behind.
 cat >"$dir/segments.txt" <<'END_OF'
 # x y z x y z
 1 1 0  0 2 2
@@ -33,13 +34,16 @@ cat >"$dir/segments.txt" <<'END_OF'
 0 1 0  0 -3 0
 1 2 0  1 2 0
 -1 -1 0  1 1 1
+1 0 0  2 0 1
+1 0 0  0 -1 1
 END_OF
 run aim --project --segments "$dir/segments.txt" --json "$dir/points.txt"
 has 'segments' 0 'segments[0][0][0]=1' 'segments[0][0][1]=0' 'segments[0][1][0]=0' 'segments[0][1][1]=1' \
     'segments[1].from[0]=1' 'segments[1].from[1]=0' 'segments[1].direction[0]=1' 'segments[1].direction[1]=0' \
     'segments[2].from[0]=0' 'segments[2].from[1]=1' 'segments[2].direction[0]=1' 'segments[2].direction[1]=0' \
     'segments[3]=null' 'segments[4][0][0]=0' 'segments[4][1][0]=0' 'segments[5][1][0]=0.5' \
-    'segments[6].from[0]=1' 'segments[6].from[1]=1' 'segments[6].direction[0]=0' 'segments[6].direction[1]=1'
+    'segments[6].from[0]=1' 'segments[6].from[1]=1' 'segments[6].direction[0]=0' 'segments[6].direction[1]=1' \
+    'segments[7]=null' 'segments[8]=null'
 printf '0 1 0 1 1\n' >"$dir/short.txt"
 run aim --project --segments "$dir/short.txt" "$dir/points.txt"
 ends 'a segment of five numbers' 2 "$dir/short.txt:1: 5 columns, not 6 (x y z x y z)"
@@ -94,6 +98,17 @@ verdict 'at the zenith the diagonal lies along the points' $?
 printf '1 0 0\n-1 0 0\n' >"$dir/in.txt"
 run aim --frame rect --aspect 4:3 --json "$dir/in.txt"
 has 'a rectangle that nothing holds' 3 'feasible=false' 'count=2'
+# The camera's axes: at right angles, right x ahead = up, and level at the sides.
+printf '3 4 2\n4 4 1\n3 5 3\n' >"$dir/in.txt"
+run aim --frame rect --aspect 4:3 --json "$dir/in.txt"
+facts
+awk -F= '{ v[$1] = $2 / 1073741824 }
+    function r(i) { return v["right_q30[" i "]"] } function a(i) { return v["ahead_q30[" i "]"] } function u(i) { return v["up_q30[" i "]"] }
+    function off(x) { return x > 1e-8 || x < -1e-8 }
+    END { exit off(r(1) * a(2) - r(2) * a(1) - u(0)) || off(r(2) * a(0) - r(0) * a(2) - u(1)) || off(r(0) * a(1) - r(1) * a(0) - u(2)) ||
+        r(2) != 0 || off(r(0) * a(0) + r(1) * a(1)) || u(2) < 0.5 || a(2) < 0.2 }' "$dir/facts"
+verdict "the axes of a rectangle's camera" $?
+
 # One unit from the boundary: the picture is nearly 180 degrees wide, and it is found. On it: none.
 printf '2147483647 1 0\n-2147483647 1 0\n' >"$dir/edge.txt"
 run aim --frame rect --aspect 4:3 --json "$dir/edge.txt"
