@@ -72,8 +72,8 @@ static void rectangle(void) {
     struct digest d = digest_start(33);
     for (int set = 0; set < 60; set++) {
         const struct vec3 ahead = vec3_normalise(digest_any_direction(&d));
-        const struct orient_axes axes =
-            orient_axes(vec3_normalise(digest_any_direction(&d)), digest_any_direction(&d));
+        const struct vec3 base = vec3_normalise(digest_any_direction(&d));
+        const struct orient_axes axes = orient_axes(base, digest_any_direction(&d));
         struct rectangle_input input = {.centre_q30 = centre, .work_limit = 2500};
         input.base.right_q30 = axes.right_q30;
         input.base.up_q30 = axes.up_q30;
