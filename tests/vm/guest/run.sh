@@ -165,7 +165,8 @@ while True:
     print(journal.recv(65536).decode(), flush=True)' >"$work/journal" 2>&1 &
 journal=$!
 until_true 200 grep -q listening "$work/journal"
-"$boresight" run host-sim/rigs/studio.ini --json --arm --seconds 1 --log journal >"$work/run.json" 2>"$work/run.err"
+{ cat host-sim/rigs/hobby.ini && printf '\n[controller]\ntick_us = 20000\n'; } >"$work/hobby.ini"
+"$boresight" run "$work/hobby.ini" --json --arm --seconds 3 --log journal >"$work/run.json" 2>"$work/run.err"
 [ $? -eq 0 ] && grep -q '"log_dropped": 0' "$work/run.json"
 verdict run.logs_to_the_journal $? "$work/run.err" "$work/run.json"
 until_true 30 grep -q '^MESSAGE=exit status 0$' "$work/journal" && grep -q '^SYSLOG_IDENTIFIER=boresight$' "$work/journal" &&
