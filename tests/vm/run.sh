@@ -16,14 +16,14 @@ kernel=$(sh tests/vm/kernel.sh 2>"$why") || {
     skip_all "$(cat "$why")"
 }
 rm -f "$why"
-out=build/vm
+out=build/vm/$(echo "$groups" | tr " " "+")
 mkdir -p "$out"
 sh tests/vm/initramfs.sh "$kernel" "$out/initramfs.cpio" || { echo "FAIL vm.initramfs"; exit 1; }
 
 share() { echo "-fsdev local,id=$1,path=$2,security_model=none,readonly=on,multidevs=remap -device virtio-9p-pci,fsdev=$1,mount_tag=$1"; }
 # Two CAN cards on one bus and one alone. The results come over the second serial port, apart from what the kernel says.
 # shellcheck disable=SC2046
-timeout -k 5 "${VM_TIMEOUT:-3000}" qemu-system-x86_64 -machine q35 -accel "${VM_ACCEL:-tcg}" -cpu max -smp 2 -m 768 \
+timeout -k 5 "${VM_TIMEOUT:-400}" qemu-system-x86_64 -machine q35 -accel "${VM_ACCEL:-tcg}" -cpu max -smp 2 -m 768 \
     -nodefaults -no-user-config -display none -no-reboot -rtc base=utc -monitor none \
     -serial "file:$out/console.log" -serial "file:$out/results.log" \
     -kernel "$kernel/vmlinux" -initrd "$out/initramfs.cpio" \
