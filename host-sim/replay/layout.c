@@ -152,6 +152,7 @@ static struct layout_field controller_fields[] = {
     SAME(controller, pan_duration_us),
     ENUM(controller, pan_path),
     SAME(controller, framed_version),
+    SAME(controller, refining_ticks),
     SAME(controller, full_ticks),
     SAME(controller, aim_reports),
     STRUCT(controller, limiter, limiter),
