@@ -57,10 +57,11 @@ looks_at() { # PAN_DEG TILT_DEG
     read -r pan tilt _ <"$work/state" && awk -v a="$pan" -v b="$1" -v c="$tilt" -v d="$2" \
         'BEGIN { exit !((a - b) ^ 2 + (c - d) ^ 2 < 0.25) }'
 }
+plugged() { grep -qs 'Boresight test camera' /sys/class/video4linux/*/name; } # the list is made anew each time
 plug() {
     "$VM_TESTS/gcc/tests/vm/plug_camera" "$work/state" "$work/wish" &
     camera=$!
-    until_true 30 grep -qs 'Boresight test camera' /sys/class/video4linux/*/name
+    until_true 60 plugged
 }
 unplug() {
     kill -TERM $camera

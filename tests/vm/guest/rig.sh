@@ -46,7 +46,8 @@ verdict rig.no_maestro_is_status_4 $? "$work/run.err"
 is 2 0
 verdict rig.nothing_is_enabled_without_it $?
 plug
-until_true 60 grep -qs 1ffb /sys/bus/usb/devices/*/idVendor
+plugged() { grep -qs 1ffb /sys/bus/usb/devices/*/idVendor; } # the list is made anew each time
+until_true 60 plugged
 sleep 0.5
 "$boresight" probe >"$work/probe"
 grep -q '^usb .* device = maestro:00031415 ' "$work/probe" && grep -q "^gpio .*'rig-lines', lines 0 to 7" "$work/probe"
