@@ -114,8 +114,9 @@ for name in camera_frames camera_lost detected_frames detected_not detect_us_max
     echo "# camera loop in the emulator: $name $(fact $name)"
 done
 
+show lamp 9 5 # elsewhere: what looks there has opened the camera and sees
 start --arm
-until_true 60 looks_at 5 3
+until_true 60 looks_at 9 5
 unplug
 wait $runner
 [ $? -eq 4 ] && says 'the camera has left'
