@@ -1,9 +1,6 @@
 /// The emulated board around the chip: switches, servo outputs, console, and what is counted of the
 /// image.
-#include "check.h"
-
-#include "mcu/mcu_board.h"
-#include "scenario.h"
+#include "mcu/cpu/closed_loop.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,46 +11,8 @@
 /// 60 % of a millisecond at 168 MHz, an instruction a cycle.
 #define STEP_MOST 100800U
 
-static struct scenario scenario;
-static struct mcu_board board;
-static struct sim *sim;
-static FILE *console;
-static char *said;
-static size_t said_bytes;
-
 static bool begin(bool exact) {
-    console = open_memstream(&said, &said_bytes);
-    const struct mcu_board_options options = {.image = IMAGE, .console = console, .exact = exact};
-    sim = NULL;
-    const char *wrong = mcu_board_start(&board, &options);
-    if (CHECK(wrong == NULL) && CHECK(scenario_read(SCENARIO, &scenario) == EXIT_STATUS_OK)) {
-        scenario.sim.board = &board.board;
-        sim = sim_create(&scenario.sim);
-    }
-    return CHECK(sim != NULL);
-}
-
-static void finish(void) {
-    CHECK_EQ(sim_violation_count(&sim->violations), 0);
-    CHECK_EQ(board.machine.soc.complaints, 0);
-    CHECK_EQ(board.garbled, 0);
-    sim_destroy(sim);
-    scenario_free(&scenario);
-    mcu_board_free(&board);
-    fclose(console);
-    free(said);
-    said = NULL;
-}
-
-static void run_ms(unsigned ms) {
-    for (unsigned i = 0; i < ms; i++) {
-        sim_step(sim);
-    }
-}
-
-static bool says(const char *words) {
-    fflush(console);
-    return said != NULL && strstr(said, words) != NULL;
+    return begin_loop((struct mcu_board_options){.image = IMAGE, .exact = exact}, SCENARIO);
 }
 
 static void it_greets_and_tells_its_state_once_a_second(void) {

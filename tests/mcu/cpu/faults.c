@@ -1,10 +1,7 @@
 /// Faults on the image: what fails on the board or the bus while the gimbal slews at 60 degrees/s
 /// must end in standstill within the times of docs/safety.md, stay so until armed, and be told on
 /// the console.
-#include "check.h"
-
-#include "mcu/mcu_board.h"
-#include "scenario.h"
+#include "mcu/cpu/closed_loop.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,62 +20,15 @@
 #define WATCHDOG_MS   33
 #define OUTPUTS_MS    50
 
-static struct scenario scenario;
-static struct mcu_board board;
-static struct sim *sim;
-static FILE *console;
-static char *said;
-static size_t said_bytes;
-
 // ---------------------------------------------------------------- a board and its gimbal
 
 static bool begin_with(struct mcu_board_options options) {
-    console = open_memstream(&said, &said_bytes);
     options.image = IMAGE;
-    options.console = console;
-    const char *wrong = mcu_board_start(&board, &options);
-    if (wrong != NULL) {
-        printf("  %s: %s\n", IMAGE, wrong);
-    }
-    sim = NULL;
-    if (CHECK(wrong == NULL) && CHECK(scenario_read(SCENARIO, &scenario) == EXIT_STATUS_OK)) {
-        scenario.sim.board = &board.board;
-        sim = sim_create(&scenario.sim);
-    }
-    return CHECK(sim != NULL);
-}
-
-/// Checks what holds in every run: the invariants, the manual, a console that can be read.
-static void finish(void) {
-    CHECK_EQ(sim_violation_count(&sim->violations), 0);
-    if (sim->violations.first[0] != '\0') {
-        printf("  # %s\n", sim->violations.first);
-    }
-    CHECK_EQ(board.machine.soc.complaints, 0);
-    if (board.machine.soc.complaints != 0U) {
-        printf("  # %s\n", board.machine.soc.complaint[0]);
-    }
-    CHECK_EQ(board.garbled, 0);
-    if (!check_clean()) {
-        fflush(console);
-        printf("%s", said);
-    }
-    sim_destroy(sim);
-    scenario_free(&scenario);
-    mcu_board_free(&board);
-    fclose(console);
-    free(said);
-    said = NULL;
+    return begin_loop(options, SCENARIO);
 }
 
 static double now_ms(void) {
     return (double)sim->time_us * 1e-3;
-}
-
-static void run_ms(unsigned ms) {
-    for (unsigned i = 0; i < ms; i++) {
-        sim_step(sim);
-    }
 }
 
 /// From now on.
@@ -92,11 +42,6 @@ static double speed_dps(unsigned axis) {
 
 static bool is_still(void) {
     return speed_dps(AXIS_PAN) < 0.5 && speed_dps(AXIS_TILT) < 0.5;
-}
-
-static bool says(const char *words) {
-    fflush(console);
-    return said != NULL && strstr(said, words) != NULL;
 }
 
 /// Runs until the first slew is at full speed.

@@ -1,10 +1,7 @@
 /// The image with a scene in its flash, on the emulated chip: a person types where the gimbal
 /// stands, and the gimbal looks where the host says that all of the scene is seen. No tick is
 /// missed over it.
-#include "check.h"
-
-#include "mcu/mcu_board.h"
-#include "scenario.h"
+#include "mcu/cpu/closed_loop.h"
 #include "scene_file.h"
 
 #include "scene/scene_aim.h"
@@ -20,23 +17,10 @@
 #define TREE     "build/boards/stm32f405/scene/block.coca"
 #define SCENARIO "tests/mcu/cpu/park/scenario.ini"
 
-static struct scenario scenario;
-static struct mcu_board board;
-static struct sim *sim;
 static struct serial_pty serial;
-static FILE *console;
-static char *said;
-static size_t said_bytes;
 static char link_path[] = "/tmp/boresight-scene-XXXXXX";
 
-static void run_ms(unsigned ms) {
-    for (unsigned i = 0; i < ms; i++) {
-        sim_step(sim);
-    }
-}
-
 static bool begin(void) {
-    console = open_memstream(&said, &said_bytes);
     const int handle = mkstemp(link_path); // a name; the link takes its place
     if (handle >= 0) {
         close(handle);
@@ -45,29 +29,12 @@ static bool begin(void) {
     if (!CHECK(serial_pty_open(&serial, link_path))) {
         return false;
     }
-    const struct mcu_board_options options = {
-        .image = IMAGE, .console = console, .serial = &serial};
-    sim = NULL;
-    const char *const wrong = mcu_board_start(&board, &options);
-    if (CHECK(wrong == NULL) && CHECK(scenario_read(SCENARIO, &scenario) == EXIT_STATUS_OK)) {
-        scenario.sim.board = &board.board;
-        sim = sim_create(&scenario.sim);
-    }
-    return CHECK(sim != NULL);
+    return begin_loop((struct mcu_board_options){.image = IMAGE, .serial = &serial}, SCENARIO);
 }
 
-static void finish(void) {
-    if (sim != NULL) {
-        CHECK_EQ(sim_violation_count(&sim->violations), 0);
-        CHECK_EQ(board.machine.soc.complaints, 0);
-        sim_destroy(sim);
-    }
-    scenario_free(&scenario);
-    mcu_board_free(&board);
+static void finish_typing(void) {
+    finish();
     serial_pty_close(&serial);
-    fclose(console);
-    free(said);
-    said = NULL;
 }
 
 /// Types a line, and gives the board time to do what it says and to answer.
@@ -102,7 +69,7 @@ static void it_looks_where_the_host_does(void) {
     static const int from[3][3] = {{0, 0, 1500}, {-35000, 12250, 30000}, {8000, -5000, 0}};
     struct scene_file file;
     if (!begin() || !CHECK_EQ(scene_file_open(TREE, &file), EXIT_STATUS_OK)) {
-        finish();
+        finish_typing();
         return;
     }
     run_ms(1500);
@@ -135,7 +102,7 @@ static void it_looks_where_the_host_does(void) {
     check_note("instructions of a turn of the loop, at most", (int64_t)board.probe.counts.loop_max);
     CHECK(board.probe.counts.loop_max < 168000U);
     scene_file_close(&file);
-    finish();
+    finish_typing();
 }
 
 static void what_cannot_be_is_told(void) {
@@ -151,7 +118,7 @@ static void what_cannot_be_is_told(void) {
         CHECK(strncmp(last("scene: "), "that is too far away from it", 28) == 0);
         CHECK(strncmp(last(" us at most, missed "), "0", 1) == 0);
     }
-    finish();
+    finish_typing();
 }
 
 int main(void) {

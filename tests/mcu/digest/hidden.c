@@ -56,22 +56,26 @@ static void fold(void *context, const struct hidden_segment *segment) {
     digest_i128(d, segment->part.to.den);
 }
 
+static struct shape_set empty_set(void) {
+    return (struct shape_set){.vertices = vertices,
+                              .corners = corners,
+                              .faces = faces,
+                              .planes = planes,
+                              .edges = edges,
+                              .objects = objects,
+                              .vertex_room = ROOM,
+                              .corner_room = 8U * ROOM,
+                              .face_room = 2U * ROOM,
+                              .edge_room = 2U * ROOM,
+                              .object_room = 8};
+}
+
 static void pictures(void) {
     struct digest d = digest_start(61);
     const struct hidden_sink sink = {fold, &d};
     const int32_t one = INT32_C(1) << 30;
     for (int i = 0; i < 60; i++) {
-        struct shape_set set = {.vertices = vertices,
-                                .corners = corners,
-                                .faces = faces,
-                                .planes = planes,
-                                .edges = edges,
-                                .objects = objects,
-                                .vertex_room = ROOM,
-                                .corner_room = 8U * ROOM,
-                                .face_room = 2U * ROOM,
-                                .edge_room = 2U * ROOM,
-                                .object_room = 8};
+        struct shape_set set = empty_set();
         static struct hidden hidden;
         struct separate separate;
         struct hidden_counters counters = {0};
@@ -102,17 +106,7 @@ static void pictures(void) {
 }
 
 static struct shape_set boxes_of(struct digest *d) {
-    struct shape_set set = {.vertices = vertices,
-                            .corners = corners,
-                            .faces = faces,
-                            .planes = planes,
-                            .edges = edges,
-                            .objects = objects,
-                            .vertex_room = ROOM,
-                            .corner_room = 8U * ROOM,
-                            .face_room = 2U * ROOM,
-                            .edge_room = 2U * ROOM,
-                            .object_room = 8};
+    struct shape_set set = empty_set();
     for (int k = 0; k < 6; k++) {
         draw_box(d, &set);
     }

@@ -4,18 +4,7 @@
 
 #define TIMES 8
 
-enum framing_status __real_framing_follow(const struct target_set *set,
-                                          struct framing_choice choice,
-                                          const struct framing_picture *picture,
-                                          struct framing_memory *memory, uint32_t work_limit,
-                                          struct framing_workspace *workspace,
-                                          struct framing *framing);
-enum framing_status __wrap_framing_follow(const struct target_set *set,
-                                          struct framing_choice choice,
-                                          const struct framing_picture *picture,
-                                          struct framing_memory *memory, uint32_t work_limit,
-                                          struct framing_workspace *workspace,
-                                          struct framing *framing);
+__typeof__(framing_follow) __real_framing_follow, __wrap_framing_follow;
 
 enum framing_status __wrap_framing_follow(const struct target_set *set,
                                           struct framing_choice choice,
