@@ -16,6 +16,22 @@ static bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
+bool points_next_word(const char **at, const char *end, struct points_word *out) {
+    while (*at < end && (**at == ' ' || **at == '\t')) {
+        (*at)++;
+    }
+    out->text = *at;
+    while (*at < end && **at != ' ' && **at != '\t') {
+        (*at)++;
+    }
+    out->size = (size_t)(*at - out->text);
+    return out->size != 0U;
+}
+
+bool points_word_is(struct points_word word, const char *text) {
+    return word.size == strlen(text) && memcmp(word.text, text, word.size) == 0;
+}
+
 int points_split(const char *at, const char *end, struct points_word columns[POINTS_COLUMNS_MOST]) {
     int count = 0;
     bool after_comma = false;

@@ -65,6 +65,10 @@ struct points_word {
     size_t size;
 };
 
+/// The next word of a line, between blanks and tabs; *at moves behind it. False: there is none.
+bool points_next_word(const char **at, const char *end, struct points_word *out);
+bool points_word_is(struct points_word word, const char *text);
+
 /// One more than any format has, so that a line with too many is noticed.
 enum { POINTS_COLUMNS_MOST = 11 };
 

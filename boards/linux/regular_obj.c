@@ -42,18 +42,6 @@ static void *grow(struct reader *r, void *array, size_t count, size_t size) {
     return grown == NULL ? array : grown;
 }
 
-static bool next_word(const char **at, const char *end, struct points_word *out) {
-    while (*at < end && (**at == ' ' || **at == '\t')) {
-        (*at)++;
-    }
-    out->text = *at;
-    while (*at < end && **at != ' ' && **at != '\t') {
-        (*at)++;
-    }
-    out->size = (size_t)(*at - out->text);
-    return out->size != 0U;
-}
-
 static bool fault(const struct reader *r, const char *what, struct points_word word) {
     message_at(r->lines.name, r->lines.number, "%s%s", message_quoted(word.text, word.size).text,
                what);
@@ -78,7 +66,7 @@ static bool read_vertex(struct reader *r, const char *at, const char *end) {
     struct vertex vertex = {.line = r->lines.number};
     for (int k = 0; k < 3; k++) {
         struct points_word word;
-        if (!next_word(&at, end, &word)) {
+        if (!points_next_word(&at, end, &word)) {
             message_at(r->lines.name, r->lines.number, "a vertex needs three coordinates");
             return false;
         }
@@ -141,7 +129,7 @@ static bool read_element(struct reader *r, const char *at, const char *end, bool
     if (whole && face) {
         begin_item(r);
     }
-    while (next_word(&at, end, &word)) {
+    while (points_next_word(&at, end, &word)) {
         uint32_t vertex;
         if (!read_index(r, word, &vertex)) {
             return false;
@@ -166,22 +154,18 @@ static bool read_element(struct reader *r, const char *at, const char *end, bool
     return !r->out_of_memory;
 }
 
-static bool is_word(struct points_word word, const char *text) {
-    return word.size == strlen(text) && memcmp(word.text, text, word.size) == 0;
-}
-
 static bool read_line(struct reader *r, const char *text, size_t size) {
     const char *const comment = memchr(text, '#', size);
     const char *const end = comment != NULL ? comment : text + size;
     struct points_word word;
-    if (!next_word(&text, end, &word)) {
+    if (!points_next_word(&text, end, &word)) {
         return true;
     }
-    if (is_word(word, "v")) {
+    if (points_word_is(word, "v")) {
         return read_vertex(r, text, end);
     }
     const bool elements = regular_points_of(r->problem) != 1U;
-    if (elements && (is_word(word, "f") || is_word(word, "l"))) {
+    if (elements && (points_word_is(word, "f") || points_word_is(word, "l"))) {
         return read_element(r, text, end, word.text[0] == 'f');
     }
     return true;

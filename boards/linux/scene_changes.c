@@ -29,7 +29,7 @@ static bool read_number(const struct reader *r, const char **at, const char *end
     struct decimal value;
     double unit;
     memcpy(&unit, r->tree->header->unit_double, sizeof unit);
-    if (!scene_next_word(at, end, &word) ||
+    if (!points_next_word(at, end, &word) ||
         decimal_read(word.text, word.size, &value) != DECIMAL_OK) {
         message_at(r->file, r->line, "needs three numbers");
         return false;
@@ -72,11 +72,11 @@ static bool read_change(struct reader *r, const char *at, const char *end) {
     static const char *const kinds[CHANGE_KINDS] = {"away", "back", "move", "copy", "point"};
     struct points_word word;
     struct change change = {.part = TREE_NONE, .line = r->line};
-    if (!scene_next_word(&at, end, &word)) {
+    if (!points_next_word(&at, end, &word)) {
         return true;
     }
     unsigned kind = 0;
-    while (kind < CHANGE_KINDS && !scene_word_is(word, kinds[kind])) {
+    while (kind < CHANGE_KINDS && !points_word_is(word, kinds[kind])) {
         kind++;
     }
     if (kind == CHANGE_KINDS) {
@@ -90,7 +90,7 @@ static bool read_change(struct reader *r, const char *at, const char *end) {
           read_number(r, &at, end, &change.by.z))) {
         return false;
     }
-    if (kind == CHANGE_POINT && scene_next_word(&at, end, &word)) {
+    if (kind == CHANGE_POINT && points_next_word(&at, end, &word)) {
         message_at(r->file, r->line, "a point has three coordinates");
         return false;
     }

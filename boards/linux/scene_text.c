@@ -26,22 +26,6 @@ struct reader {
     uint32_t first_own; ///< vertices from here on stand in the description
 };
 
-bool scene_next_word(const char **at, const char *end, struct points_word *out) {
-    while (*at < end && (**at == ' ' || **at == '\t')) {
-        (*at)++;
-    }
-    out->text = *at;
-    while (*at < end && **at != ' ' && **at != '\t') {
-        (*at)++;
-    }
-    out->size = (size_t)(*at - out->text);
-    return out->size != 0U;
-}
-
-bool scene_word_is(struct points_word word, const char *text) {
-    return word.size == strlen(text) && memcmp(word.text, text, word.size) == 0;
-}
-
 /// Room for one more element of an array. Without memory it stays as it is: r->failed, and told so.
 static void *grow(struct reader *r, void *array, uint32_t count, uint32_t *room, size_t size) {
     if (count < *room) {
@@ -206,7 +190,7 @@ static bool read_vertex(struct reader *r, const char *at, const char *end) {
     struct points_word word, columns[3];
     for (int i = 0; i < 3; i++) {
         struct decimal value;
-        if (!scene_next_word(&at, end, &word)) {
+        if (!points_next_word(&at, end, &word)) {
             message_at(r->file, r->line, "a vertex has three coordinates");
             return false;
         }
@@ -217,7 +201,7 @@ static bool read_vertex(struct reader *r, const char *at, const char *end) {
         }
         columns[i] = word;
     }
-    if (scene_next_word(&at, end, &word)) {
+    if (points_next_word(&at, end, &word)) {
         message_at(r->file, r->line, "a vertex has three coordinates");
         return false;
     }
@@ -255,7 +239,7 @@ static bool read_element(struct reader *r, char sort, const char *at, const char
     }
     const uint32_t first = r->scene->corner_count;
     const bool shape = r->shapes && sort != 'p';
-    for (; scene_next_word(&at, end, &word); count++) {
+    for (; points_next_word(&at, end, &word); count++) {
         uint32_t vertex;
         if (!read_index(r, word, &vertex) || !add_point(r, vertex) ||
             (shape && !add_corner(r, vertex))) {
@@ -281,9 +265,9 @@ static bool read_threshold(const struct reader *r, const char *at, const char *e
     int64_t scaled = -1;
     *radius_px_q8 = 0;
     *distance = 0;
-    bool good = scene_next_word(&at, end, &word);
-    if (good && scene_word_is(word, "within")) {
-        good = scene_next_word(&at, end, &word) && !scene_next_word(&at, end, &more) &&
+    bool good = points_next_word(&at, end, &word);
+    if (good && points_word_is(word, "within")) {
+        good = points_next_word(&at, end, &word) && !points_next_word(&at, end, &more) &&
                decimal_read(word.text, word.size, &value) == DECIMAL_OK;
         *distance = good ? (double)decimal_value(&value) : 0;
         if (!good || !(*distance > 0) || isinf(*distance)) {
@@ -292,7 +276,7 @@ static bool read_threshold(const struct reader *r, const char *at, const char *e
         }
         return true;
     }
-    if (!good || scene_next_word(&at, end, &more) ||
+    if (!good || points_next_word(&at, end, &more) ||
         decimal_read(word.text, word.size, &value) != DECIMAL_OK ||
         !decimal_scale(&value, 256, 1, &scaled) || scaled < 0 || scaled > INT32_MAX) {
         message_at(r->file, r->line, "detail needs a radius in pixels from 0 to 8000000");
@@ -372,29 +356,29 @@ static bool end_group(struct reader *r) {
 static bool read_line(struct reader *r, const char *at, const char *end) {
     static const char *const skipped[] = {"vn", "vt", "vp", "s", "usemtl", "mtllib"};
     struct points_word word;
-    if (!scene_next_word(&at, end, &word)) {
+    if (!points_next_word(&at, end, &word)) {
         return true;
     }
-    if (scene_word_is(word, "v")) {
+    if (points_word_is(word, "v")) {
         return read_vertex(r, at, end);
     }
-    if (scene_word_is(word, "f") || scene_word_is(word, "l") || scene_word_is(word, "p")) {
+    if (points_word_is(word, "f") || points_word_is(word, "l") || points_word_is(word, "p")) {
         return read_element(r, *word.text, at, end);
     }
-    if (scene_word_is(word, "o") || scene_word_is(word, "g")) {
+    if (points_word_is(word, "o") || points_word_is(word, "g")) {
         return begin_object(r, at, end);
     }
-    if (scene_word_is(word, "detail")) {
+    if (points_word_is(word, "detail")) {
         return read_detail(r, at, end);
     }
-    if (scene_word_is(word, "group")) {
+    if (points_word_is(word, "group")) {
         return begin_group(r);
     }
-    if (scene_word_is(word, "end")) {
+    if (points_word_is(word, "end")) {
         return end_group(r);
     }
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++) {
-        if (scene_word_is(word, skipped[i])) {
+        if (points_word_is(word, skipped[i])) {
             return true;
         }
     }

@@ -71,8 +71,4 @@ enum exit_status scene_text_read(const char *path, bool shapes, struct scene_tex
 
 void scene_text_free(struct scene_text *scene);
 
-/// The next word of a line, between blanks and tabs. False: there is none.
-bool scene_next_word(const char **at, const char *end, struct points_word *out);
-bool scene_word_is(struct points_word word, const char *text);
-
 #endif

@@ -12,6 +12,7 @@
 #include "rp2040/rp2040_gpio.h"
 #include "rp2040/rp2040_pwm.h"
 #include "rp2040/rp2040_watchdog.h"
+#include "switches.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define TICK_US      1000U
@@ -24,13 +25,6 @@ static struct rp2040_watchdog watchdog;
 static struct console console;
 static struct board_loop loop;
 static struct greeting greeting;
-
-static const struct board_stop_line stop_lines[] = {
-    {LINE_EMERGENCY_STOP, "emergency stop"},
-    {LINE_KEY_SWITCH, "key switch off"},
-    {LINE_PAN_LIMIT, "pan limit switch"},
-    {LINE_TILT_LIMIT, "tilt limit switch"},
-};
 
 // ---------------------------------------------------------------- set-up
 

@@ -10,6 +10,7 @@
 #include "scene.h"
 #include "stm32f4/stm32f4_clocks.h"
 #include "stm32f4/stm32f4_watchdog.h"
+#include "switches.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define TICK_US      1000U
@@ -21,13 +22,6 @@ static struct stm32f4_pwm pwm;
 static struct stm32f4_watchdog watchdog;
 static struct board_loop loop;
 static struct greeting greeting;
-
-static const struct board_stop_line stop_lines[] = {
-    {LINE_EMERGENCY_STOP, "emergency stop"},
-    {LINE_KEY_SWITCH, "key switch off"},
-    {LINE_PAN_LIMIT, "pan limit switch"},
-    {LINE_TILT_LIMIT, "tilt limit switch"},
-};
 
 // ---------------------------------------------------------------- set-up
 

@@ -5,6 +5,7 @@
 
 #include "stm32f4/stm32f4_gpio.h"
 #include "stm32f4/stm32f4_pwm.h"
+#include "switches.h"
 
 enum { PORT_A, PORT_B, PORT_C };
 
@@ -25,19 +26,7 @@ static const struct stm32f4_pwm_channel pwm_channels[] = {
     {STM32F4_TIM3, 2, 2, {PORT_C, 8}}, {STM32F4_TIM3, 3, 2, {PORT_C, 9}},
     {STM32F4_TIM4, 0, 2, {PORT_B, 6}}, {STM32F4_TIM4, 1, 2, {PORT_B, 7}}};
 
-/// Lines by number. Switches are closed to ground and open when pressed, so that a broken wire
-/// stops, too.
-enum { LINE_EMERGENCY_STOP, LINE_KEY_SWITCH, LINE_PAN_LIMIT, LINE_TILT_LIMIT, LINE_ENABLE };
-
-#define SWITCH                                                                                     \
-    { .direction = HAL_GPIO_INPUT, .pull = HAL_GPIO_PULL_UP, .active_low = false }
-static const struct hal_gpio_line gpio_lines[] = {
-    [LINE_EMERGENCY_STOP] = SWITCH,
-    [LINE_KEY_SWITCH] = SWITCH,
-    [LINE_PAN_LIMIT] = SWITCH,
-    [LINE_TILT_LIMIT] = SWITCH,
-    [LINE_ENABLE] = {.direction = HAL_GPIO_OUTPUT, .pull = HAL_GPIO_PULL_NONE},
-};
+/// By number (switches.h).
 static const struct stm32f4_pin gpio_pins[] = {
     [LINE_EMERGENCY_STOP] = {PORT_C, 0}, [LINE_KEY_SWITCH] = {PORT_C, 1},
     [LINE_PAN_LIMIT] = {PORT_C, 2},      [LINE_TILT_LIMIT] = {PORT_C, 3},
