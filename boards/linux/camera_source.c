@@ -62,23 +62,11 @@ static void take_results(void *context) {
     (void)eye_collect(source->eye, give, source);
 }
 
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
-
-static double where(const struct controller_axis_status *axis) {
-    return degrees(axis->measured_known ? axis->measured_q48 : axis->setpoint_q48);
-}
-
 void camera_source_tick(struct camera_source *source, const struct controller_status *status) {
     if (source->eye == NULL) {
         return;
     }
-    const double focal_mm =
-        status->focal_um != 0U ? (double)status->focal_um * 1e-3 : source->rig->fixed_focal_mm;
-    const struct camera_pose pose = {.pan_deg = where(&status->axis[AXIS_PAN]),
-                                     .tilt_deg = where(&status->axis[AXIS_TILT]),
-                                     .zoom = focal_mm / source->rig->eye.focal_mm};
+    const struct camera_pose pose = gimbal_pose_tick(&source->gimbal, status);
     eye_pose(source->eye, hal_clock_now_us(source->clock), &pose);
     camera_feed_tick(&source->feed, event_loop_now_us());
     const bool is_there = camera_feed_is_there(&source->feed);
@@ -115,6 +103,7 @@ enum exit_status camera_source_open(struct camera_source *source, const struct r
                                     .latency_us = rig->eye.latency_us,
                                     .detectors = rig->eye.detectors};
     mount_init(&settings.mount, rig->controller.attitude);
+    gimbal_pose_init(&source->gimbal, &rig->controller, rig->fixed_focal_mm, rig->eye.focal_mm);
     source->eye = eye_create(&settings);
     if (source->eye == NULL) {
         message_at(rig->ini.file, 0, "the detectors can't be started: %s", strerror(errno));

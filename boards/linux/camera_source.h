@@ -12,6 +12,7 @@
 #include "rig.h"
 
 #include "detect/eye.h"
+#include "detect/gimbal_pose.h"
 
 enum { CAMERA_SOURCE_UPDATES = 512, CAMERA_SOURCE_IDS = 512 };
 
@@ -23,6 +24,7 @@ struct camera_source {
     const struct rig *rig;
     const struct hal_clock *clock;
     struct event_loop *loop;
+    struct gimbal_pose gimbal;
     bool was_there;
     uint64_t passed_over; ///< frames that the eye did not take
     uint64_t dropped;     ///< updates for which there was no room

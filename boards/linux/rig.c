@@ -158,7 +158,7 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         ini_complain(ini, name, "", "move_s", "needs as many values as move_deg");
         return false;
     }
-    rig->latency_us[axis] = (uint32_t)from->latency_us;
+    to->latency_us = (uint32_t)from->latency_us;
     rig->bus[axis] = from->drive == RIG_DRIVE_FAKE ? "fake" : from->bus;
     rig->device[axis] = from->device;
     rig->limit_switch[axis][0] = from->switch_min;
@@ -442,9 +442,12 @@ void rig_explain(const struct rig *rig, FILE *stream) {
             limits->smooth_ticks * rig->controller.tick_us / 1000.0);
     }
     for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
-        if (rig->latency_us[axis] != 0U) {
-            fprintf(stream, "  %-6s is %.1f ms behind its setpoint, as measured\n",
-                    axis_names[axis], rig->latency_us[axis] / 1000.0);
+        const uint32_t latency_us = rig->controller.axis[axis].latency_us;
+        if (latency_us != 0U) {
+            fprintf(
+                stream,
+                "  %-6s is %.1f ms behind its setpoint, which leads moving targets by as much\n",
+                axis_names[axis], latency_us / 1000.0);
         }
     }
     const struct lens_config *lens = &rig->controller.lens;

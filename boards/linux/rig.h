@@ -30,7 +30,6 @@ struct rig {
     const char *estop, *enable;     ///< lines, see rig_lines.h; empty: none
     const char *limit_switch[2][2]; ///< of pan and tilt, at the lower and the upper end
     uint32_t debounce_us;
-    uint32_t latency_us[2];   ///< of pan and tilt, as `boresight calibrate` measured it; 0: not yet
     const char *board_device; ///< serial port of the board that drives the rig; NULL: this program
     uint32_t board_baud;
     bool any_board_build;  ///< the board's build may differ from ours

@@ -51,8 +51,10 @@ static void write_axes(const struct controller_config *config, FILE *stream) {
         fprintf(stream, "        [%s] = {\n", names[axis]);
         write_limits(&config->axis[axis].limits, stream);
         write_drive(&config->axis[axis].drive, stream);
-        fprintf(stream, "            .home_q48 = INT64_C(%" PRId64 ")},\n",
-                config->axis[axis].home_q48);
+        fprintf(stream,
+                "            .home_q48 = INT64_C(%" PRId64 "),\n"
+                "            .latency_us = %" PRIu32 "U},\n",
+                config->axis[axis].home_q48, config->axis[axis].latency_us);
     }
     fprintf(stream, "    },\n");
 }

@@ -188,10 +188,11 @@ static const struct ini_key axis_keys[] = {
      .type = INI_DECIMAL,
      .fallback = "0",
      .min = "0",
-     .max = "1000",
+     .max = "500", // CONTROLLER_LATENCY_US_MAX
      .numerator = 1000,
      AXIS(latency_us),
-     .help = "measured by `boresight calibrate`: how long the axis is behind its setpoint"},
+     .help = "how long the axis is behind its setpoint, which leads by as much (`boresight "
+             "calibrate` measures it)"},
     {.name = "move_deg",
      .type = INI_DECIMAL_LIST,
      .fallback = "0",

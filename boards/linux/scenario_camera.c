@@ -219,9 +219,7 @@ static void deliver(struct scenario_camera *camera) {
 }
 
 static void tell_pose(struct scenario_camera *camera, const struct sim *sim) {
-    const struct controller_status *status = &sim->pump.output.status;
-    const struct camera_pose pose =
-        eye_pose_of(status, camera->rig->fixed_focal_mm, camera->rig->eye.focal_mm);
+    const struct camera_pose pose = gimbal_pose_tick(&camera->gimbal, &sim->pump.output.status);
     eye_pose(camera->eye, (uint32_t)sim->time_us, &pose);
 }
 
@@ -260,6 +258,7 @@ enum exit_status scenario_camera_open(struct scenario_camera *camera, const stru
                                     .latency_us = rig->eye.latency_us,
                                     .detectors = rig->eye.detectors};
     mount_init(&settings.mount, rig->controller.attitude);
+    gimbal_pose_init(&camera->gimbal, &rig->controller, rig->fixed_focal_mm, rig->eye.focal_mm);
     camera->eye = eye_create(&settings);
     camera->objects = calloc(TARGET_CAPACITY, sizeof *camera->objects);
     camera->texture = calloc(TARGET_CAPACITY, CELLS_MAX);

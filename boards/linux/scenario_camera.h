@@ -7,6 +7,7 @@
 #include "rig.h"
 
 #include "detect/eye.h"
+#include "detect/gimbal_pose.h"
 #include "view/render.h"
 
 #include "sim.h"
@@ -28,6 +29,7 @@ struct scenario_camera {
     const struct rig *rig;
     uint64_t seed;
     struct eye *eye;
+    struct gimbal_pose gimbal;
     struct render render;
     double rendered_zoom; ///< the render's lens; 0: none yet
     struct render_object *objects;
@@ -39,8 +41,6 @@ struct scenario_camera {
         uint8_t *picture;
     } frame[SCENARIO_CAMERA_FRAMES];
     struct sim *sim; ///< during a step
-    uint64_t squares_count;
-    double squares_deg2; ///< of the pose that frames are placed by, against the truth
     struct sim_camera hook;
 };
 

@@ -45,6 +45,7 @@ static void add_axis(uint32_t *crc, const struct controller_axis_config *axis) {
     add_signed(crc, axis->limits.accel_max_q48);
     add(crc, axis->limits.smooth_ticks);
     add_signed(crc, axis->home_q48);
+    add(crc, axis->latency_us);
 }
 
 static void add_lens(uint32_t *crc, const struct lens_config *lens) {

@@ -18,7 +18,8 @@ static bool axis_config_valid(const struct controller_axis_config *axis) {
            limits->speed_max_q48 <= AXIS_TURN_Q48 && limits->accel_max_q48 >= 1 &&
            limits->accel_max_q48 <= AXIS_TURN_Q48 && limits->smooth_ticks >= 1U &&
            limits->smooth_ticks <= LIMITER_SMOOTH_TICKS_MAX && axis->home_q48 >= limits->min_q48 &&
-           axis->home_q48 <= limits->max_q48 && drive_config_valid(&axis->drive);
+           axis->home_q48 <= limits->max_q48 && axis->latency_us <= CONTROLLER_LATENCY_US_MAX &&
+           drive_config_valid(&axis->drive);
 }
 
 static bool tracker_config_valid(const struct tracker_config *tracker) {

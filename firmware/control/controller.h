@@ -37,7 +37,11 @@ struct controller_axis_config {
     struct limiter_config limits;
     struct drive_config drive; ///< DRIVE_NONE: the axis does not exist (zoom only)
     int64_t home_q48; ///< where an axis without feedback is taken to be when it is first powered
+    /// How long the axis is behind its setpoint, which leads a goal that moves by as much: up to
+    /// CONTROLLER_LATENCY_US_MAX. Not of the zoom.
+    uint32_t latency_us;
 };
+#define CONTROLLER_LATENCY_US_MAX 500000U
 
 /// What the picture is fitted to.
 enum controller_frame {
@@ -115,6 +119,7 @@ struct controller_axis_status {
     int64_t setpoint_q48; ///< what the limiter put out
     int64_t goal_q48;     ///< where the aim wants it
     int64_t measured_q48;
+    uint64_t measured_us; ///< when, as time_us of the status
     bool measured_known;
     uint32_t restarts; ///< how often the setpoint began anew from where the axis is
 };

@@ -108,6 +108,14 @@ void controller_aim(struct controller *c) {
     }
 }
 
+/// How far a goal goes on while its axis is still on the way to where it is: |rate| is at most a
+/// turn, and the latency 5,000 ticks, so the product stays below 2^61.
+static int64_t lead(const struct controller *c, unsigned axis) {
+    const int64_t ticks_q8 =
+        (int64_t)(c->config->axis[axis].latency_us * 256U / c->config->tick_us);
+    return (c->goal_rate_q48[axis] >> 8) * ticks_q8;
+}
+
 void controller_move(struct controller *c) {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (!c->powered[axis]) {
@@ -119,7 +127,8 @@ void controller_move(struct controller *c) {
         }
         c->setpoint_q48[axis] =
             c->mode == MODE_TRACKING
-                ? limiter_follow(&c->limiter[axis], c->goal_q48[axis], c->goal_rate_q48[axis])
+                ? limiter_follow(&c->limiter[axis], c->goal_q48[axis] + lead(c, axis),
+                                 c->goal_rate_q48[axis])
                 : limiter_stop(&c->limiter[axis]);
     }
 }
@@ -159,6 +168,7 @@ void controller_report(struct controller *c, struct controller_output *output) {
             (struct controller_axis_status){.setpoint_q48 = c->setpoint_q48[axis],
                                             .goal_q48 = c->goal_q48[axis],
                                             .measured_q48 = c->drive[axis].position_q48,
+                                            .measured_us = c->drive[axis].position_us,
                                             .measured_known = c->drive[axis].position_known,
                                             .restarts = c->restarts[axis]};
     }

@@ -92,6 +92,7 @@ static struct layout_field controller_axis_config_fields[] = {
     SAME(controller_axis_config, limits),
     STRUCT(controller_axis_config, drive, drive_config),
     SAME(controller_axis_config, home_q48),
+    SAME(controller_axis_config, latency_us),
 };
 static struct layout layout_controller_axis_config =
     LAYOUT(controller_axis_config, controller_axis_config_fields);

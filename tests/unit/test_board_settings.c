@@ -197,6 +197,7 @@ static void every_value_counts(void) {
     COUNTS(axis[AXIS_PAN].limits.accel_max_q48);
     COUNTS(axis[AXIS_PAN].limits.smooth_ticks);
     COUNTS(axis[AXIS_PAN].home_q48);
+    COUNTS(axis[AXIS_PAN].latency_us);
     COUNTS(axis[AXIS_PAN].drive.pwm.channel);
     COUNTS(axis[AXIS_PAN].drive.pwm.low_q48);
     COUNTS(axis[AXIS_PAN].drive.pwm.high_q48);

@@ -295,23 +295,54 @@ static void starts_outside_the_limits_and_comes_in(void) {
 
 // ---------------------------------------------------------------- moving aims
 
-static void a_moving_target_is_followed_without_lag(void) {
-    rig_init();
+/// 50 reports a second of a target at 30 and 5 degrees a second. Setpoints of axes that are late by
+/// pan_us and tilt_us are ahead of it by what it moves meanwhile.
+static void follow_a_moving_target(uint32_t pan_us, uint32_t tilt_us) {
+    rig_configure();
+    rig.config.axis[AXIS_PAN].latency_us = pan_us;
+    rig.config.axis[AXIS_TILT].latency_us = tilt_us;
+    rig_start(0, 0x55);
     rig_arm();
     rig_target(1, 0, 0);
     rig_ticks(100);
     for (int i = 0; i < 3000 && check_clean(); i++) {
-        if (i % 20 == 0) { // 50 reports a second, 30 degrees a second
+        if (i % 20 == 0) {
             rig_target(1, i * 3, i / 2);
         }
         rig_tick();
         if (i > 600) {
-            CHECK_NEAR(rig.output.status.axis[AXIS_PAN].setpoint_q48, i * 3 * (DEGREE / 100),
+            const int64_t pan = i * 3 * (DEGREE / 100), tilt = i * (DEGREE / 200);
+            const struct controller_axis_status *axis = rig.output.status.axis;
+            CHECK_NEAR(axis[AXIS_PAN].setpoint_q48, pan + pan_us * (3 * DEGREE / 100000),
                        DEGREE / 50);
-            CHECK_NEAR(rig.output.status.axis[AXIS_TILT].setpoint_q48, i * (DEGREE / 200),
+            CHECK_NEAR(axis[AXIS_TILT].setpoint_q48, tilt + tilt_us * (DEGREE / 200000),
                        DEGREE / 50);
+            CHECK_NEAR(axis[AXIS_PAN].goal_q48, pan, DEGREE / 50); // where the target is
         }
     }
+}
+
+static void a_moving_target_is_followed_without_lag(void) {
+    follow_a_moving_target(0, 0);
+}
+
+static void a_setpoint_leads_by_the_latency_of_its_axis(void) {
+    follow_a_moving_target(15500, 100000);
+    follow_a_moving_target(60300, 0);
+    follow_a_moving_target(0, CONTROLLER_LATENCY_US_MAX);
+}
+
+/// Whatever an axis is late by, it rests where the target rests.
+static void a_late_axis_comes_to_rest_on_the_target(void) {
+    rig_configure();
+    rig.config.axis[AXIS_PAN].latency_us = CONTROLLER_LATENCY_US_MAX;
+    rig_start(0, 0);
+    rig_arm();
+    for (int i = 0; i < 100; i++) {
+        rig_target(1, 3000, 0);
+        rig_ticks(20);
+    }
+    rig_is_at(AXIS_PAN, 3000);
 }
 
 /// 30 degrees a second, 50 reports a second, `count` reports.
@@ -458,6 +489,8 @@ int main(void) {
     TEST(the_first_goal_is_on_the_turn_of_the_measured_position);
     TEST(starts_outside_the_limits_and_comes_in);
     TEST(a_moving_target_is_followed_without_lag);
+    TEST(a_setpoint_leads_by_the_latency_of_its_axis);
+    TEST(a_late_axis_comes_to_rest_on_the_target);
     TEST(a_target_that_stops_is_aimed_at);
     TEST(a_silent_target_is_where_it_was_last_seen);
     TEST(a_resting_target_does_not_disturb_a_moving_one);

@@ -79,6 +79,7 @@ static void limits_that_are_not_valid(void) {
         REFUSED(axis[axis].limits.smooth_ticks = UINT32_MAX);
         REFUSED(axis[axis].home_q48 = rig.config.axis[axis].limits.max_q48 + 1);
         REFUSED(axis[axis].home_q48 = INT64_MIN);
+        REFUSED(axis[axis].latency_us = CONTROLLER_LATENCY_US_MAX + 1U);
     }
 }
 
@@ -103,6 +104,7 @@ static void settings_at_the_ends_of_their_ranges(void) {
         config->axis[axis].limits =
             (struct limiter_config){-16 * TURN, 16 * TURN, TURN, TURN, LIMITER_SMOOTH_TICKS_MAX};
         config->axis[axis].home_q48 = -16 * TURN;
+        config->axis[axis].latency_us = CONTROLLER_LATENCY_US_MAX;
     }
     config->position_um = (struct vec3_i64){TARGET_POSITION_UM_MAX, -TARGET_POSITION_UM_MAX, 0};
     config->tracker = (struct tracker_config){TRACKER_JUMP_Q48_MAX, 65535, UINT32_MAX};

@@ -242,19 +242,6 @@ void eye_pose(struct eye *eye, uint32_t now, const struct camera_pose *pose) {
     pose_history_add(&eye->history, now, pose);
 }
 
-static double joint_deg(const struct controller_axis_status *axis) {
-    const int64_t position_q48 = axis->measured_known ? axis->measured_q48 : axis->setpoint_q48;
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
-
-struct camera_pose eye_pose_of(const struct controller_status *status, double fixed_focal_mm,
-                               double model_focal_mm) {
-    const double focal_mm =
-        status->focal_um != 0U ? (double)status->focal_um * 1e-3 : fixed_focal_mm;
-    return (struct camera_pose){joint_deg(&status->axis[AXIS_PAN]),
-                                joint_deg(&status->axis[AXIS_TILT]), focal_mm / model_focal_mm};
-}
-
 static bool make_room(struct job *job, size_t size) {
     if (size > job->capacity) {
         uint8_t *larger = realloc(job->bytes, size);

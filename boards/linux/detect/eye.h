@@ -13,7 +13,7 @@
 #ifndef DETECT_EYE_H
 #define DETECT_EYE_H
 
-#include "control/controller.h"
+#include "detect/camera_pose.h"
 #include "detect/detector.h"
 #include "fixed/must_check.h"
 #include "hal/camera.h"
@@ -48,11 +48,6 @@ void eye_destroy(struct eye *eye);
 
 /// The gimbal's pose at a time of the clock that frames are stamped with.
 void eye_pose(struct eye *eye, uint32_t now_us, const struct camera_pose *pose);
-
-/// What a controller says of its axes and lens, as a pose. fixed_focal_mm: of a camera without zoom
-/// axis; model_focal_mm: what the model was calibrated at.
-struct camera_pose eye_pose_of(const struct controller_status *status, double fixed_focal_mm,
-                               double model_focal_mm);
 
 enum eye_status {
     EYE_OK = 0,

@@ -41,6 +41,7 @@ static void compare_axis(const struct controller_axis_config *a,
     SAME(limits.accel_max_q48);
     SAME(limits.smooth_ticks);
     SAME(home_q48);
+    SAME(latency_us);
     compare_drive(&a->drive, &b->drive);
 }
 
