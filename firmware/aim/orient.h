@@ -35,6 +35,8 @@ struct orient_angles {
 /// At the zenith and the nadir pan is 0: a controller keeps the pan it has.
 /// ahead_q30: as for orient_axes.
 /// Accuracy: 0.501 BAM (tests/property/orient_reference.c).
+/// Cost:     one square root and two arc tangents of 64 bits.
+/// Source:   the world axes of docs/geometry.md, "Conventions".
 struct orient_angles orient_pan_tilt(struct vec3 ahead_q30);
 
 enum orient_image_status {
@@ -56,6 +58,7 @@ struct orient_image {
 /// Accuracy: within 1 unit of 2^-32 plus 2^-58 of the value; near 90 degrees the angle's own half
 ///           unit matters far more (tests/property/orient_reference.c).
 /// Cost:     trig_octant and two 128-by-64-bit divisions.
+/// Source:   Anderson 1982: the image radius is tan x, the local distortion 1 / cos x.
 enum orient_image_status orient_image_of_cone(bam32_t half_angle_bam32,
                                               struct orient_image *out) MUST_CHECK;
 

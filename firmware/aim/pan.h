@@ -18,6 +18,8 @@ enum pan_path {
 /// The weight of where the pan goes, 0 to 1: 10 s^3 - 15 s^4 + 6 s^5 of the part s of the time,
 /// which begins and ends without speed and acceleration. 1 from duration_us on.
 /// Accuracy: 2^-27 (tests/unit/test_pan.c).
+/// Cost:     one division and five products of 64 bits.
+/// Source:   Flash, Hogan 1985: the path of least jerk between two rests.
 q30_t pan_weight_q30(uint64_t elapsed_us, uint32_t duration_us);
 
 /// Equation 18 for two objects of weight 1 - w and w.

@@ -1,4 +1,6 @@
 /// Directions in exact clockwise order about a pivot: by merging, or by buckets of their angles.
+/// Accuracy: exact, all of it (tests/property/hull_exact.c).
+/// Source:   docs/geometry.md, "The hull", where nothing else is said.
 #ifndef SPHERE_HULL_ORDER_H
 #define SPHERE_HULL_ORDER_H
 
@@ -21,11 +23,15 @@ struct hull_pivot {
     uint64_t comparisons; ///< of two rays, so far
 };
 
+/// Cost: three comparisons.
 struct hull_pivot hull_pivot(const struct vec3 *points, uint32_t index);
+/// Cost: four products of 64 bits.
 struct hull_ray hull_ray(const struct hull_pivot *pivot, struct vec3 point);
 
-/// Does a come strictly before b, counted from the ray (1, 0)? Exact.
+/// Does a come strictly before b, counted from the ray (1, 0)? Cost: two products of 64 by 64 bits,
+/// if both are in one half.
 bool hull_ray_before(struct hull_ray a, struct hull_ray b);
+/// The same angle? Cost: the same.
 bool hull_ray_equal(struct hull_ray a, struct hull_ray b);
 
 /// Puts the points of a list, none of them parallel to the pivot, into the order of their rays;

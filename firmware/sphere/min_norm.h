@@ -5,9 +5,10 @@
 /// their hull. One set of exact tests so serves twice: on Q2.61 unit vectors for the cone, on the
 /// raw integers for feasibility. Every decision is the sign of an integer below 2^251. For unit
 /// vectors most signs are plain from 64-bit products of the same vectors rounded to Q1.30; the wide
-/// integers decide the rest. Source: Gilbert, Johnson, Keerthi 1988 (the subproblem); Wolfe 1976;
-/// docs/geometry.md, "The pivot solver". Shown: tests/property/min_norm.c, and every test of the
-/// cone.
+/// integers decide the rest.
+/// Accuracy: every decision is exact (tests/property/min_norm.c, and every test of the cone).
+/// Source:   Gilbert, Johnson, Keerthi 1988 (the subproblem); Wolfe 1976; docs/geometry.md, "The
+///           pivot solver": for all functions here.
 #ifndef SPHERE_MIN_NORM_H
 #define SPHERE_MIN_NORM_H
 
@@ -43,7 +44,7 @@ struct min_norm {
     struct i128 against;     ///< count 1: point . point; count 2: point[0] . chord, negative
 };
 
-/// One point, not zero. unit: whether this and all later points are unit vectors.
+/// One point, not zero. unit: whether this and all later points are unit vectors. Cost: a copy.
 void min_norm_start(struct min_norm *support, const struct min_norm_point *point, bool unit);
 
 /// One to three points at once, unit as above. False: the hull's point of least norm does not lie
@@ -53,6 +54,8 @@ bool min_norm_hold(struct min_norm *support, const struct min_norm_point *points
 
 /// Does the point lie on the near side of the plane through the nearest point, so that it would
 /// shorten the norm? Exact.
+/// Cost:    one 64-bit dot product of unit vectors where that tells; else, once for a support, a
+///          cross product of 128 bits, and one dot product of 256 bits.
 bool min_norm_violated_by(struct min_norm *support, const struct min_norm_point *point);
 
 /// The same in 64 bits, for unit vectors whose length is within 2^-29 of one, in a loop: a point
@@ -67,13 +70,14 @@ struct min_norm_filter {
     int64_t offset;
 };
 
+/// Cost: at most two dot products.
 struct min_norm_filter min_norm_filter(const struct min_norm *support);
 
 /// What rounding can do to a depth: units are off by at most 5, and normals below 2^31; p.p is off
 /// by 2^32.
 #define MIN_NORM_BAND ((int64_t)1 << 36)
 
-/// At most 7 * 2^60, also for vectors that are no units.
+/// At most 7 * 2^60, also for vectors that are no units. Cost: three products of 64 bits.
 static inline int64_t min_norm_depth(const struct min_norm_filter *filter, struct vec3 unit_q30) {
     return vec3_dot_unit(filter->normal, unit_q30) - filter->offset;
 }
@@ -85,6 +89,7 @@ static inline int64_t min_norm_depth(const struct min_norm_filter *filter, struc
 bool min_norm_enter(struct min_norm *support, const struct min_norm_point *point) MUST_CHECK;
 
 /// A vector along the nearest point, with components below 2^62: within 2^-60 of its direction.
+/// Cost:    one shift of the exact plane, or two dot products and nine products of 128 bits.
 struct vec3_i64 min_norm_direction(struct min_norm *support);
 
 #endif

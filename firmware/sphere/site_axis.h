@@ -11,13 +11,15 @@
 ///            be as close as 2^-63 rad; where Q2.61 can't tell the plane well enough, lengths
 ///            of 200 fractional bits do.
 /// Cost:      some 20 products of 64 bits; three square roots of 456 bits in the rare case.
+/// Source:    docs/geometry.md, "True directions".
 struct vec3 site_circle_axis(const struct site *a, const struct site *b, const struct site *c);
 
-/// The middle of the arc between two directions that are not opposite, Q1.30. Accuracy and cost as
-/// above.
+/// The middle of the arc between two directions that are not opposite, Q1.30. Accuracy, cost and
+/// source as above.
 struct vec3 site_middle(const struct site *a, const struct site *b);
 
 /// The axis of the narrowest cone of one to three directions that hold it (certify_support).
+/// Accuracy, cost and source as above.
 struct vec3 site_cone_axis(const struct site *support, uint32_t support_count);
 
 #endif

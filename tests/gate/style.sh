@@ -1,5 +1,5 @@
 #!/bin/sh
-# Layout and length of every C file, and violations planted to see that the gate catches them.
+# Layout and length of every C file, what headers state, and violations planted to see that the gate catches them.
 . tests/gate/verdict.sh
 files=$(git ls-files --cached --others --exclude-standard '*.c' '*.h')
 # The exit status of clang-format 14 tells; what is off is shown by its first lines.
@@ -9,6 +9,8 @@ verdict 'layout (make format mends it)' $?
 # Tables of vectors are data, however long.
 awk -f tests/gate/check/lengths.awk $(printf '%s\n' $files | grep -v '^tests/vectors/')
 verdict 'length of files, functions and lines' $?
+awk -f tests/gate/check/headers.awk firmware/sphere/*.h firmware/aim/*.h
+verdict 'the functions of sphere/ and aim/ state cost, accuracy and source' $?
 
 dir=$(mktemp -d)
 cp .clang-format "$dir"
@@ -21,5 +23,8 @@ caught 'a long function' $?
 seq 501 >"$dir/x.c"
 awk -f tests/gate/check/lengths.awk "$dir/x.c" >/dev/null
 caught 'a long file' $?
+printf '/// Turns. Cost: none. Source: none.\nint turn(int a,\n         int b);\n' >"$dir/x.h"
+awk -f tests/gate/check/headers.awk "$dir/x.h" >/dev/null
+caught 'a function that does not state its accuracy' $?
 rm -r "$dir"
 exit $status
