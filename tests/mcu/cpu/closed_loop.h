@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static struct scenario scenario;
 static struct mcu_board board;
@@ -69,6 +70,48 @@ static inline void finish(void) {
     mcu_board_free(&board);
     free(said);
     said = NULL;
+}
+
+// ---------------------------------------------------------------- a person at the serial line
+
+static struct serial_pty serial;
+
+static inline bool begin_typing(const char *image, const char *scenario_file) {
+    char link_path[] = "/tmp/boresight-typing-XXXXXX";
+    const int handle = mkstemp(link_path); // a name; the link takes its place
+    if (handle >= 0) {
+        close(handle);
+        unlink(link_path);
+    }
+    if (!CHECK(serial_pty_open(&serial, link_path))) {
+        return false;
+    }
+    return begin_loop((struct mcu_board_options){.image = image, .serial = &serial}, scenario_file);
+}
+
+static inline void finish_typing(void) {
+    finish();
+    serial_pty_close(&serial);
+}
+
+/// Types a line, and gives the board time to do what it says and to answer.
+static inline void type(const char *line, unsigned ms) {
+    CHECK(write(serial.other_end, line, strlen(line)) == (ssize_t)strlen(line));
+    run_ms(ms);
+    fflush(console);
+}
+
+/// What it said last after these words, up to the end of the line.
+static inline const char *last(const char *words) {
+    const char *found = NULL;
+    for (const char *at = said; at != NULL && (at = strstr(at, words)) != NULL; at++) {
+        found = at;
+    }
+    return found != NULL ? found + strlen(words) : "";
+}
+
+static inline bool says_last(const char *words, const char *wanted) {
+    return strncmp(last(words), wanted, strlen(wanted)) == 0;
 }
 
 #endif

@@ -6,52 +6,13 @@
 
 #include "scene/scene_aim.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define IMAGE    "build/boards/stm32f405/scene/boresight.elf"
 #define TREE     "build/boards/stm32f405/scene/block.coca"
 #define SCENARIO "tests/mcu/cpu/park/scenario.ini"
-
-static struct serial_pty serial;
-static char link_path[] = "/tmp/boresight-scene-XXXXXX";
-
-static bool begin(void) {
-    const int handle = mkstemp(link_path); // a name; the link takes its place
-    if (handle >= 0) {
-        close(handle);
-        unlink(link_path);
-    }
-    if (!CHECK(serial_pty_open(&serial, link_path))) {
-        return false;
-    }
-    return begin_loop((struct mcu_board_options){.image = IMAGE, .serial = &serial}, SCENARIO);
-}
-
-static void finish_typing(void) {
-    finish();
-    serial_pty_close(&serial);
-}
-
-/// Types a line, and gives the board time to do what it says and to answer.
-static void type(const char *line, unsigned ms) {
-    CHECK(write(serial.other_end, line, strlen(line)) == (ssize_t)strlen(line));
-    run_ms(ms);
-    fflush(console);
-}
-
-/// What it said last after these words, up to the end of the line.
-static const char *last(const char *words) {
-    const char *found = NULL;
-    for (const char *at = said; at != NULL && (at = strstr(at, words)) != NULL; at++) {
-        found = at;
-    }
-    return found != NULL ? found + strlen(words) : "";
-}
 
 static struct scene_aim_memory memory;
 
@@ -68,13 +29,13 @@ static void look(const struct tree *tree, const int mm[3], struct scene_aim_resu
 static void it_looks_where_the_host_does(void) {
     static const int from[3][3] = {{0, 0, 1500}, {-35000, 12250, 30000}, {8000, -5000, 0}};
     struct scene_file file;
-    if (!begin() || !CHECK_EQ(scene_file_open(TREE, &file), EXIT_STATUS_OK)) {
+    if (!begin_typing(IMAGE, SCENARIO) || !CHECK_EQ(scene_file_open(TREE, &file), EXIT_STATUS_OK)) {
         finish_typing();
         return;
     }
     run_ms(1500);
     type("status\r", 300);
-    CHECK(strncmp(last("scene: "), "2000 points; `scene X Y Z` aims at them", 39) == 0);
+    CHECK(says_last("scene: ", "2000 points; `scene X Y Z` aims at them"));
     for (unsigned i = 0; i < 3U; i++) {
         struct scene_aim_result result;
         look(&file.tree, from[i], &result);
@@ -86,7 +47,7 @@ static void it_looks_where_the_host_does(void) {
         const double degrees = ldexp((double)result.cone.half_angle_turn64, -64) * 360.0;
         snprintf(wanted, sizeof wanted, "aimed at; half-angle %d.%02d degrees, %u reads of 2000",
                  (int)degrees, (int)(degrees * 100.0) % 100, (unsigned)result.point_reads);
-        CHECK(strncmp(last("scene: "), wanted, strlen(wanted)) == 0);
+        CHECK(says_last("scene: ", wanted));
         // The mount looks south: its pan is 0 there.
         const struct controller_status *const status = &sim->pump.output.status;
         const struct vec3 a = result.cone.axis_q30;
@@ -95,7 +56,7 @@ static void it_looks_where_the_host_does(void) {
         CHECK(fabs(ldexp((double)status->axis[AXIS_PAN].setpoint_q48, -48) * 360.0 - pan) < 0.001);
         CHECK(fabs(ldexp((double)status->axis[AXIS_TILT].setpoint_q48, -48) * 360.0 - tilt) <
               0.001);
-        CHECK(strncmp(last(" us at most, missed "), "0", 1) == 0);
+        CHECK(says_last(" us at most, missed ", "0"));
         printf("# from %d %d %d mm: pan %.3f tilt %.3f, %u reads\n", from[i][0], from[i][1],
                from[i][2], pan, tilt, (unsigned)result.point_reads);
     }
@@ -106,17 +67,17 @@ static void it_looks_where_the_host_does(void) {
 }
 
 static void what_cannot_be_is_told(void) {
-    if (begin()) {
+    if (begin_typing(IMAGE, SCENARIO)) {
         run_ms(1500);
         type("scene 1 2\r", 300);
         CHECK(strstr(said, "error: expected X Y Z in metres: scene 0 -12.5 1.8") != NULL);
         type("scene 0 -60 3\r", 1000);
         type("status\r", 300);
-        CHECK(strncmp(last("scene: "), "no direction sees all of it from there", 38) == 0);
+        CHECK(says_last("scene: ", "no direction sees all of it from there"));
         type("scene 900000 0 0\r", 300);
         type("status\r", 300);
-        CHECK(strncmp(last("scene: "), "that is too far away from it", 28) == 0);
-        CHECK(strncmp(last(" us at most, missed "), "0", 1) == 0);
+        CHECK(says_last("scene: ", "that is too far away from it"));
+        CHECK(says_last(" us at most, missed ", "0"));
     }
     finish_typing();
 }
