@@ -6,6 +6,9 @@
 /// turn, with a bound on what any pan of a part can do. A call does bounded work and leaves a
 /// picture that holds every cap; the next goes on, also if the caps have moved on meanwhile. Then
 /// it first follows the best place so far, and three calls in four do only that.
+///
+/// `boresight aim --frame rect` has a solver of its own, in floating point, for pictures too narrow
+/// for Q1.30 (boards/linux/rect.h).
 #ifndef AIM_RECTANGLE_H
 #define AIM_RECTANGLE_H
 

@@ -109,6 +109,13 @@ awk -F= '{ v[$1] = $2 / 1073741824 }
         r(2) != 0 || off(r(0) * a(0) + r(1) * a(1)) || u(2) < 0.5 || a(2) < 0.2 }' "$dir/facts"
 verdict "the axes of a rectangle's camera" $?
 
+# A picture of two microradians, which Q1.30 would miss by a thousandth: 2 atan(1e-6).
+printf '1 1000000 0\n-1 1000000 0.3\n0.2 1000000 0.9\n' >"$dir/in.txt"
+run aim --frame rect --aspect 1:1 --json "$dir/in.txt"
+facts
+awk -F= '{ v[$1] = $2 } END { w = v["hfov_deg"] / 0.000114591559026 - 1; exit !(w < 1e-9 && w > -1e-9) }' "$dir/facts"
+verdict 'a rectangle of two microradians' $?
+
 # One unit from the boundary: the picture is nearly 180 degrees wide, and it is found. On it: none.
 printf '2147483647 1 0\n-2147483647 1 0\n' >"$dir/edge.txt"
 run aim --frame rect --aspect 4:3 --json "$dir/edge.txt"
