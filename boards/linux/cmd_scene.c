@@ -1,5 +1,5 @@
 /// `boresight scene`: build a sphere tree from a scene, tell about it, aim at what it holds, draw
-/// it.
+/// it, and count what drawing it takes.
 #include "facts.h"
 #include "scene_build.h"
 #include "scene_command.h"
@@ -38,6 +38,8 @@ static const struct option options[] = {
      offsetof(struct scene_settings, targets), NULL},
     {"--method", "clip|levine", "render: how hidden lines are found (clip)", option_choice,
      offsetof(struct scene_settings, method), render_methods},
+    {"--distance", "RADII", "measure: of the eye from the scene's middle (1.25)", option_text,
+     offsetof(struct scene_settings, distance), NULL},
     OPTION_JSON(struct scene_settings),
 };
 
@@ -253,6 +255,19 @@ static enum exit_status render(const struct command *command, const struct scene
     return status;
 }
 
+static enum exit_status measure(const struct command *command,
+                                const struct scene_settings *settings, const char *path) {
+    struct scene_file file;
+    void *block;
+    enum exit_status status = open_any(path, &file, &block);
+    if (status == EXIT_STATUS_OK) {
+        status = scene_command_measure(command, settings, &file.tree, path);
+    }
+    free(block);
+    scene_file_close(&file);
+    return status;
+}
+
 static enum exit_status run(const struct command *command, int argc, char *const *argv) {
     struct scene_settings settings = {0};
     const char *operand[2] = {NULL, NULL};
@@ -268,12 +283,17 @@ static enum exit_status run(const struct command *command, int argc, char *const
     if (strcmp(verb, "render") == 0 && operands == 2U) {
         return render(command, &settings, operand[1]);
     }
-    if (strcmp(verb, "info") != 0 && strcmp(verb, "aim") != 0 && strcmp(verb, "render") != 0) {
-        message_command(command->name, "needs `build`, `info`, `aim` or `render` first");
+    if (strcmp(verb, "measure") == 0 && operands == 2U) {
+        return measure(command, &settings, operand[1]);
+    }
+    const bool draws = strcmp(verb, "render") == 0 || strcmp(verb, "measure") == 0;
+    if (strcmp(verb, "info") != 0 && strcmp(verb, "aim") != 0 && !draws) {
+        message_command(command->name, "needs `build`, `info`, `aim`, `render` or `measure` first");
         return EXIT_STATUS_USAGE;
     }
     if (operands != 2U) {
-        message_command(command->name, "%s: needs a tree, FILE.coca", verb);
+        message_command(command->name, "%s: needs a %s", verb,
+                        draws ? "scene, FILE.scene or FILE.coca" : "tree, FILE.coca");
         return EXIT_STATUS_USAGE;
     }
     struct scene_file file;
@@ -290,7 +310,8 @@ static enum exit_status run(const struct command *command, int argc, char *const
 const struct command command_scene = {
     .name = "scene",
     .summary = "a sphere tree of many points: build it, aim at what it holds, draw it",
-    .operands = "build FILE.scene -o FILE.coca | info FILE.coca | aim FILE.coca | render FILE",
+    .operands = "build FILE.scene -o FILE.coca | info FILE.coca | aim FILE.coca | render FILE |\n"
+                "       measure FILE",
     .help =
         "build reads a scene as text, Wavefront OBJ with clusters and details:\n"
         "  v X Y Z               a vertex\n"
@@ -317,6 +338,14 @@ const struct command command_scene = {
         "faces\n"
         "and lines; points are targets, full where they are in sight; with the narrowest cone of\n"
         "those in sight and the frame of the picture. No two solids may overlap.\n\n"
+        "measure counts what the pipeline of Levine's thesis does, in two turns of 360 views: the\n"
+        "eye goes around the middle and looks at it, on a level circle (yaw, from the south, as "
+        "pan\n"
+        "counts) and on the upright one (pitch). Each view is a line of 12 counters, as appendix "
+        "III\n"
+        "calls them: faces in front; objects, windows, edges and crossings looked at for first\n"
+        "vertices (/I); edges drawn; the same for them (/HL), and crossings there are; pairs that\n"
+        "were clipped; and the visible segments. Each turn ends with its mean.\n\n"
         "results of aim, besides those of `boresight aim`:\n"
         "  loss_px               no point is farther outside the cone than that\n"
         "  nodes_opened          spheres whose contents were looked at\n"

@@ -3,12 +3,13 @@
 #define LINUX_SCENE_COMMAND_H
 
 #include "command.h"
+#include "points.h"
 
 #include "scene/tree.h"
 
 struct scene_settings {
     struct triple viewpoint, up, aim;
-    const char *output, *focal_px, *coarse_px, *fov, *size, *targets, *changes;
+    const char *output, *focal_px, *coarse_px, *fov, *size, *targets, *changes, *distance;
     int method; ///< of render
     bool points, json;
 };
@@ -24,5 +25,10 @@ double scene_command_unit(const struct tree *tree);
 enum exit_status scene_command_aim(const struct command *command,
                                    const struct scene_settings *settings, const struct tree *tree,
                                    const char *file);
+
+/// `scene measure FILE`, with its tree open.
+enum exit_status scene_command_measure(const struct command *command,
+                                       const struct scene_settings *settings,
+                                       const struct tree *tree, const char *file);
 
 #endif

@@ -8,12 +8,9 @@ refused() {
     [ "$status" -eq 2 ] && [ ! -s "$dir/out" ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -e "$2" "$dir/err"
     verdict "$1" $?
 }
-# A box NAME X Y Z W D H a line, as solids; their vertices are counted from VERTICES + 1.
+# Boxes of a line each.
 boxes() { # VERTICES
-    awk -v n="$1" '{ print "o " $1
-        for (i = 0; i < 8; i++) print "v", $2 + (i % 2) * $5, $3 + int(i / 2) % 2 * $6, $4 + int(i / 4) * $7
-        n += 8; split("1 3 4 2 5 6 8 7 1 2 6 5 3 7 8 4 1 5 7 3 2 4 8 6", f, " ")
-        for (k = 0; k < 6; k++) print "f", n - 8 + f[4*k+1], n - 8 + f[4*k+2], n - 8 + f[4*k+3], n - 8 + f[4*k+4] }'
+    awk -v n="$1" -f tests/cli/support/boxes.awk
 }
 # The lines of the drawn pen, sorted: the two methods go through the edges in different orders.
 lines() { # FILE

@@ -173,7 +173,7 @@ verdict 'a tree too deep' $?
 run scene build "$dir/town.scene"
 ends 'nowhere to write' 2 'boresight scene: build: -o FILE says where to write the tree'
 run scene paint "$dir/town.coca"
-ends 'another word' 2 'boresight scene: needs `build`, `info`, `aim` or `render` first'
+ends 'another word' 2 'boresight scene: needs `build`, `info`, `aim`, `render` or `measure` first'
 run scene aim
 ends 'no tree' 2 'boresight scene: aim: needs a tree, FILE.coca'
 
