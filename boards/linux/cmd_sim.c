@@ -1,4 +1,5 @@
 /// `boresight sim`: a scenario in the simulator.
+#include "capacity.h"
 #include "command.h"
 #include "emulator.h"
 #include "facts.h"
@@ -40,6 +41,8 @@ struct run {
     struct recorder recorder;
     void *board;  ///< of the emulator; NULL: the controller runs here
     bool watched; ///< progress is told
+    struct capacity capacity;
+    uint64_t exceeded_us; ///< when
     double wall_s;
 };
 
@@ -124,6 +127,9 @@ static void run_sim(struct run *run, double speed) {
     const double start_s = now_s();
     while (run->sim->time_us < run->scenario.duration_us) {
         sim_step(run->sim);
+        if (capacity_exceeded(&run->capacity, &run->sim->pump.output.status)) {
+            run->exceeded_us = run->sim->time_us;
+        }
         story_step(&run->story);
         if (run->watched) {
             show_status(run);
@@ -205,6 +211,11 @@ static enum exit_status conclude(const struct command *command, const struct set
     if (!recorder_close(&run->recorder)) {
         message_at(settings->record, 0, "%s", strerror(errno));
         return EXIT_STATUS_FAILURE;
+    }
+    if (run->capacity.told) {
+        message_command(command->name, "at %.3f s " CAPACITY_MESSAGE,
+                        (double)run->exceeded_us * 1e-6, TARGET_CAPACITY);
+        return EXIT_STATUS_USAGE;
     }
     if (sim_violation_count(&summary.violations) == 0U) {
         return run->board == NULL || emulator->is_sound(run->board) ? EXIT_STATUS_OK

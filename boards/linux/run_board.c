@@ -2,6 +2,7 @@
 
 #include "board_link.h"
 #include "board_targets.h"
+#include "capacity.h"
 #include "facts.h"
 
 #include "app/program_link.h"
@@ -192,7 +193,9 @@ static void send_targets(struct board_run *run, uint64_t now_us) {
     struct target_update update;
     struct target_source *source = run->options->source;
     while (source != NULL && target_source_next(source, now_us - run->start_us, &update)) {
-        run->targets_refused += !board_targets_take(&run->targets, &update, now_us);
+        if (!board_targets_take(&run->targets, &update, now_us) && run->targets_refused++ == 0U) {
+            message_command(run->command->name, CAPACITY_MESSAGE, TARGET_CAPACITY);
+        }
         target_source_taken(source);
     }
     if (board_targets_due(&run->targets, &run->link, now_us)) {

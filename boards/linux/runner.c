@@ -63,6 +63,7 @@ static enum exit_status build(struct runner *runner) {
         runner->rig.controller.arm_on_start || runner->settings.arm;
     runner->told_mode = MODE_STARTING;
     runner->told_faults = 0;
+    runner->capacity = (struct capacity){0};
     runner->starting_since_us = event_loop_now_us();
     const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);
     if (status != EXIT_STATUS_OK) {
@@ -361,6 +362,9 @@ bool runner_tick(struct runner *runner) {
     look_after_camera(runner);
     set_enable(runner);
     tell_mode(runner);
+    if (capacity_exceeded(&runner->capacity, &runner->pump->output.status)) {
+        tell(runner, true, "capacity", CAPACITY_MESSAGE, TARGET_CAPACITY);
+    }
     if (is_over(runner, &runner->status)) {
         return false;
     }

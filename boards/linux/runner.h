@@ -4,6 +4,7 @@
 #define LINUX_RUNNER_H
 
 #include "camera_source.h"
+#include "capacity.h"
 #include "command.h"
 #include "event_loop.h"
 #include "realtime.h"
@@ -52,6 +53,7 @@ struct runner {
     struct run_log log;
     enum controller_mode told_mode;
     uint32_t told_faults;
+    struct capacity capacity;
     bool stopping; ///< for good
     enum exit_status status;
     bool device_failed, line_stopped;

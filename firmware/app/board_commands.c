@@ -20,6 +20,19 @@ bool board_commands_update(struct board_commands *commands, const struct target_
     return pump_push(commands->pump, update);
 }
 
+_Static_assert(TARGET_CAPACITY == 256U, "it is told so");
+
+/// A new target, or a target's news, that a person or a script types.
+static const char *watch(struct board_commands *commands, const struct target_update *update) {
+    const struct target_set *targets = &commands->pump->controller->targets;
+    uint32_t place;
+    if (update->kind != TARGET_GONE && targets->count == TARGET_CAPACITY &&
+        !target_set_find(targets, update->id, &place)) {
+        return "256 targets are watched, and there is no room for more";
+    }
+    return board_commands_update(commands, update) ? NULL : "too many targets wait; try again";
+}
+
 static const char *aim(struct board_commands *commands, const struct target_update *update) {
     const struct target_update clear = {.kind = TARGET_CLEAR};
     if (!has_room(commands->pump, 2) || !pump_push(commands->pump, &clear) ||
@@ -72,9 +85,7 @@ const char *board_commands_do(struct board_commands *commands, const struct requ
     case REQUEST_AIM:
         return aim(commands, &request->update);
     case REQUEST_UPDATE:
-        return board_commands_update(commands, &request->update)
-                   ? NULL
-                   : "too many targets wait; try again";
+        return watch(commands, &request->update);
     case REQUEST_PAN:
         pump_pan(commands->pump,
                  &(struct controller_pan){request->choice, request->duration_us, request->path});

@@ -55,6 +55,9 @@ run pan --from 1 --to 1 "$dir/none"
 ends 'no objects' 2 'boresight pan: there are no objects'
 run pan --from 1,0 --to 0,1 --steps 1000001 "$dir/objects.txt"
 ends 'too many steps' 2 'boresight pan: --steps: at most 1000000'
+awk 'BEGIN { for (i = 0; i < 257; i++) print "o" i, 1, i / 100, 1 }' >"$dir/many.txt"
+run pan --from 1 --to 1 "$dir/many.txt"
+ends 'too many objects' 2 'boresight pan: more than 256 objects'
 printf 'a 1 2\n' >"$dir/short.txt"
 run pan --from 1 --to 1 "$dir/short.txt"
 ends 'a line without a name' 2 "$dir/short.txt:1: 3 columns, not 4 (name x y z)"

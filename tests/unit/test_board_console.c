@@ -95,6 +95,30 @@ static void pans_between_objects(void) {
     CHECK_EQ(desk_cdeg(AXIS_PAN), 2250);
 }
 
+/// As many as there is room for; then the number is named, and what is watched already still moves.
+static void the_257th_target(void) {
+    sit_down();
+    for (uint32_t id = 1; id <= TARGET_CAPACITY; id++) {
+        const struct target_update update = {.kind = TARGET_DIRECTION,
+                                             .id = id,
+                                             .weight_q16 = TARGET_WEIGHT_ONE_Q16,
+                                             .direction = {(int32_t)id, 1000, 0}};
+        CHECK(pump_push(&desk_loop.pump, &update));
+        desk_ticks(1);
+    }
+    CHECK_EQ(desk_loop.controller.targets.count, TARGET_CAPACITY);
+    CHECK(command("target 300 0 10 0",
+                  "target 300 0 10 0\r\nerror: 256 targets are watched, and there is no room for "
+                  "more\r\n\r> \033[K"));
+    CHECK(command("target 5 0 10 0", "target 5 0 10 0\r\nok\r\n\r> \033[K"));
+    CHECK(command("gone 5", "gone 5\r\nok\r\n\r> \033[K"));
+    desk_ticks(2);
+    CHECK(command("target 300 0 10 0", "target 300 0 10 0\r\nok\r\n\r> \033[K"));
+    desk_ticks(2);
+    CHECK_EQ(desk_loop.controller.targets.count, TARGET_CAPACITY);
+    CHECK_EQ(desk_loop.controller.updates_rejected, 0);
+}
+
 static void wrong_commands_move_nothing(void) {
     sit_down();
     CHECK(command("aim 1",
@@ -219,6 +243,7 @@ int main(void) {
     TEST(transcript_of_a_first_session);
     TEST(targets_and_aims);
     TEST(pans_between_objects);
+    TEST(the_257th_target);
     TEST(wrong_commands_move_nothing);
     TEST(stop_key_stops);
     TEST(help_lists_every_command);
