@@ -7,7 +7,7 @@ skip_all() {
     exit 0
 }
 groups=$*
-for tool in qemu-system-x86_64 busybox cpio modprobe candump gpioset; do
+for tool in qemu-system-x86_64 busybox cpio modprobe candump gpioset i2cget; do
     PATH=$PATH:/sbin:/usr/sbin command -v $tool >/dev/null 2>&1 || skip_all "no $tool here (.ci/need vm)"
 done
 why=$(mktemp)
