@@ -126,8 +126,8 @@ static unsigned probe_pwm(bool as_json) {
         struct found found = {.kind = "pwm"};
         snprintf(found.name, sizeof found.name, "%.31s", chips[i].name);
         snprintf(found.write, sizeof found.write, "device = %.31s", chips[i].name);
-        snprintf(found.about, sizeof found.about, "channels 0 to %u",
-                 (unsigned)chips[i].channel_count - 1U);
+        snprintf(found.about, sizeof found.about, "%s%schannels 0 to %u", chips[i].driver,
+                 chips[i].driver[0] != '\0' ? ", " : "", (unsigned)chips[i].channel_count - 1U);
         print_found(&found, as_json);
     }
     return count;

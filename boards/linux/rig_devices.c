@@ -342,6 +342,8 @@ void rig_devices_tick(struct rig_devices *devices) {
         struct rig_output_device *device = &devices->device[i];
         if (device->kind == RIG_OUTPUT_MAESTRO) {
             (void)linux_maestro_poll(&device->maestro);
+        } else if (device->kind == RIG_OUTPUT_PWM) {
+            (void)linux_pwm_poll(&device->pwm);
         } else if (device->kind == RIG_OUTPUT_CAMERA && !device->lost) {
             look_after_camera(devices, device);
         }

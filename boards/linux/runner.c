@@ -279,6 +279,8 @@ static void look_after_devices(struct runner *runner) {
         if (lost != NULL) {
             tell(runner, true, "device", "%s", lost);
             runner->device_failed = true;
+            runner->looked_us =
+                event_loop_now_us(); // what leaves is let leave before it is looked for
             pump_command(runner->pump, COMMAND_STOP);
         }
     }

@@ -14,7 +14,17 @@
 /// How often it is looked whether udev has given a new output its permissions, 10 ms apart.
 #define PERMISSION_TRIES 50
 #define MISSING_REMEDY                                                                             \
-    "is the overlay loaded (dtoverlay=pwm-2chan)? `boresight probe` lists the chips"
+    "is the overlay loaded (pwm-2chan, i2c-pwm-pca9685a)? `boresight probe` lists the chips"
+
+/// What the kernel does not tell of a chip.
+struct linux_pwm_kind {
+    const char *driver;
+    uint32_t output_count;   ///< the kernel may have one more, for all of them at once
+    uint32_t steps;          ///< a period
+    uint32_t period_step_ns; ///< periods are so many times that; all outputs have the same
+    uint32_t period_steps_min, period_steps_max;
+};
+static const struct linux_pwm_kind kinds[] = {{"pca9685-pwm", 16, 4096, 163840, 4, 256}};
 
 // ---------------------------------------------------------------- files
 
@@ -51,6 +61,61 @@ static long get_number(const char *folder, const char *file) {
     return number;
 }
 
+/// The kernel's driver of a chip, "" if there is none to be seen (files that stand for a chip).
+static void get_driver(const char *folder, char *driver, size_t capacity) {
+    char path[300], target[300];
+    snprintf(path, sizeof path, "%s/device/driver", folder);
+    const ssize_t size = readlink(path, target, sizeof target - 1U);
+    target[size < 0 ? 0 : size] = '\0';
+    const char *slash = strrchr(target, '/');
+    snprintf(driver, capacity, "%.31s", slash != NULL ? slash + 1 : target);
+}
+
+static const struct linux_pwm_kind *find_kind(const char *folder) {
+    char driver[32];
+    get_driver(folder, driver, sizeof driver);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (strcmp(driver, kinds[i].driver) == 0) {
+            return &kinds[i];
+        }
+    }
+    return NULL;
+}
+
+/// Outputs of a chip; -1: no such chip.
+static long count_outputs(const char *folder) {
+    const struct linux_pwm_kind *kind = find_kind(folder);
+    const long there = get_number(folder, "npwm");
+    return kind != NULL && there > (long)kind->output_count ? (long)kind->output_count : there;
+}
+
+// ---------------------------------------------------------------- what a chip makes of it
+
+static uint32_t resolution_ns(const struct linux_pwm *pwm, uint32_t period_ns) {
+    return pwm->kind == NULL ? 1U : period_ns / pwm->kind->steps;
+}
+
+/// The nearest period that the chip has.
+static uint32_t round_period_ns(const struct linux_pwm *pwm, uint32_t period_ns) {
+    return pwm->kind == NULL ? period_ns : hal_pwm_round_ns(period_ns, pwm->kind->period_step_ns);
+}
+
+/// A pulse as it is asked of the kernel; not less than the period: the chip can't do it.
+static uint32_t round_pulse_ns(const struct linux_pwm *pwm, uint32_t pulse_ns, uint32_t period_ns) {
+    return pulse_ns >= period_ns ? period_ns
+                                 : hal_pwm_round_ns(pulse_ns, resolution_ns(pwm, period_ns));
+}
+
+static uint32_t period_ns_min(const struct linux_pwm *pwm) {
+    return pwm->kind == NULL ? PERIOD_NS_MIN
+                             : pwm->kind->period_steps_min * pwm->kind->period_step_ns;
+}
+
+static uint32_t period_ns_max(const struct linux_pwm *pwm) {
+    return pwm->kind == NULL ? PERIOD_NS_MAX
+                             : pwm->kind->period_steps_max * pwm->kind->period_step_ns;
+}
+
 // ---------------------------------------------------------------- operations
 
 static struct linux_pwm_channel *find(struct linux_pwm *pwm, uint32_t channel) {
@@ -65,24 +130,73 @@ static enum hal_status linux_pwm_limits(void *ctx, uint32_t channel,
     if (pwm->gone || at == NULL) {
         return pwm->gone ? HAL_ERROR_GONE : HAL_ERROR_ARGUMENT;
     }
-    *limits = (struct hal_pwm_limits){at->period_ns, PERIOD_NS_MIN, PERIOD_NS_MAX, 1};
+    *limits = (struct hal_pwm_limits){at->period_ns, period_ns_min(pwm), period_ns_max(pwm),
+                                      resolution_ns(pwm, at->period_ns)};
     return HAL_OK;
+}
+
+/// The outputs whose period changes with that of one of them: a bit each.
+static uint32_t sharing(const struct linux_pwm *pwm, uint32_t channel) {
+    uint32_t outputs = UINT32_C(1) << channel;
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && pwm->kind != NULL; i++) {
+        outputs |= pwm->channel[i].open ? UINT32_C(1) << i : 0U;
+    }
+    return outputs;
+}
+
+/// Whether an output's pulses have to stop while its period changes: a shared one can't be changed
+/// while two outputs give pulses.
+static bool pauses(const struct linux_pwm *pwm, uint32_t outputs, uint32_t channel) {
+    return pwm->kind != NULL && (outputs >> channel & 1U) != 0U && pwm->channel[channel].enabled;
+}
+
+static bool put_period(struct linux_pwm *pwm, uint32_t outputs, uint32_t period_ns) {
+    bool good = true;
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && good; i++) {
+        const struct linux_pwm_channel *at = &pwm->channel[i];
+        good = !pauses(pwm, outputs, i) ||
+               (put_number(at->enable_fd, 0) && put_number(at->duty_fd, 0));
+    }
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && good; i++) {
+        good = (outputs >> i & 1U) == 0U || put_number(pwm->channel[i].period_fd, period_ns);
+    }
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && good; i++) {
+        const struct linux_pwm_channel *at = &pwm->channel[i];
+        good = !pauses(pwm, outputs, i) ||
+               (put_number(at->duty_fd, round_pulse_ns(pwm, at->pulse_ns, period_ns)) &&
+                put_number(at->enable_fd, 1));
+    }
+    return good;
 }
 
 static enum hal_status linux_pwm_set_period(void *ctx, uint32_t channel, uint32_t period_ns) {
     struct linux_pwm *pwm = ctx;
-    struct linux_pwm_channel *at = find(pwm, channel);
+    const struct linux_pwm_channel *at = find(pwm, channel);
     if (pwm->gone) {
         return HAL_ERROR_GONE;
     }
-    if (at == NULL || period_ns < PERIOD_NS_MIN || period_ns > PERIOD_NS_MAX ||
-        period_ns <= at->pulse_ns) {
+    if (at == NULL || period_ns < period_ns_min(pwm) || period_ns > period_ns_max(pwm)) {
         return HAL_ERROR_ARGUMENT;
     }
-    if (!put_number(at->period_fd, period_ns)) {
-        return failed(pwm, channel);
+    const uint32_t outputs = sharing(pwm, channel), before_ns = at->period_ns;
+    const uint32_t rounded_ns = round_period_ns(pwm, period_ns);
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX; i++) {
+        const uint32_t pulse_ns = pwm->channel[i].pulse_ns;
+        if ((outputs >> i & 1U) != 0U &&
+            (pulse_ns >= period_ns || round_pulse_ns(pwm, pulse_ns, rounded_ns) >= rounded_ns)) {
+            return HAL_ERROR_ARGUMENT;
+        }
     }
-    at->period_ns = period_ns;
+    if (!put_period(pwm, outputs, rounded_ns)) {
+        const enum hal_status status = failed(pwm, channel);
+        (void)put_period(pwm, outputs, before_ns); // the old one holds
+        return status;
+    }
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX; i++) {
+        if ((outputs >> i & 1U) != 0U) {
+            pwm->channel[i].period_ns = rounded_ns;
+        }
+    }
     return HAL_OK;
 }
 
@@ -92,17 +206,17 @@ static enum hal_status linux_pwm_set_pulse(void *ctx, uint32_t channel, uint32_t
     if (pwm->gone) {
         return HAL_ERROR_GONE;
     }
-    if (at == NULL || pulse_ns >= at->period_ns) {
+    if (at == NULL || round_pulse_ns(pwm, pulse_ns, at->period_ns) >= at->period_ns) {
         return HAL_ERROR_ARGUMENT;
     }
-    if (!put_number(at->duty_fd, pulse_ns)) {
+    if (!put_number(at->duty_fd, round_pulse_ns(pwm, pulse_ns, at->period_ns))) {
         return failed(pwm, channel);
     }
     const bool enable = pulse_ns != 0U;
     if (enable != at->enabled && !put_number(at->enable_fd, enable ? 1U : 0U)) {
         const enum hal_status status = failed(pwm, channel);
-        (void)put_number(at->duty_fd, at->pulse_ns); // the old width holds
-        return status;
+        (void)put_number(at->duty_fd, round_pulse_ns(pwm, at->pulse_ns, at->period_ns));
+        return status; // the old width holds
     }
     at->enabled = enable;
     at->pulse_ns = pulse_ns;
@@ -111,12 +225,22 @@ static enum hal_status linux_pwm_set_pulse(void *ctx, uint32_t channel, uint32_t
 
 static const struct hal_pwm_ops ops = {linux_pwm_limits, linux_pwm_set_period, linux_pwm_set_pulse};
 
+enum hal_status linux_pwm_poll(struct linux_pwm *pwm) {
+    for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && !pwm->gone; i++) {
+        char first;
+        if (pwm->channel[i].open && pread(pwm->channel[i].enable_fd, &first, 1, 0) < 0) {
+            return failed(pwm, i);
+        }
+    }
+    return pwm->gone ? HAL_ERROR_GONE : HAL_OK;
+}
+
 // ---------------------------------------------------------------- opening
 
 static int open_file(const struct linux_pwm *pwm, uint32_t channel, const char *file) {
     char path[300];
     snprintf(path, sizeof path, "%s/pwm%u/%s", pwm->folder, (unsigned)channel, file);
-    return open(path, O_WRONLY | O_CLOEXEC);
+    return open(path, O_RDWR | O_CLOEXEC);
 }
 
 /// Makes the output's files appear, unless they are there.
@@ -152,11 +276,12 @@ static bool open_files(struct linux_pwm *pwm, uint32_t channel) {
 }
 
 /// Silent, and then 20 ms: a period must never be shorter than the pulse that is set.
-static bool quieten(struct linux_pwm_channel *at) {
-    (void)put_number(at->enable_fd, 0); // refused while there is no period yet
+static bool quieten(const struct linux_pwm *pwm, struct linux_pwm_channel *at) {
+    (void)put_number(at->enable_fd, 0); // refused while there is no period, or one it can't do
     (void)put_number(at->duty_fd, 0);
-    at->period_ns = PERIOD_NS;
-    return put_number(at->period_fd, PERIOD_NS) && put_number(at->duty_fd, 0);
+    at->period_ns = round_period_ns(pwm, PERIOD_NS);
+    return put_number(at->period_fd, at->period_ns) && put_number(at->duty_fd, 0) &&
+           put_number(at->enable_fd, 0);
 }
 
 static enum hal_status open_channel(struct linux_pwm *pwm, uint32_t channel) {
@@ -166,7 +291,7 @@ static enum hal_status open_channel(struct linux_pwm *pwm, uint32_t channel) {
         return failed(pwm, channel);
     }
     at->open = true; // so that close looks at its files
-    return open_files(pwm, channel) && quieten(at) ? HAL_OK : failed(pwm, channel);
+    return open_files(pwm, channel) && quieten(pwm, at) ? HAL_OK : failed(pwm, channel);
 }
 
 enum hal_status linux_pwm_open(struct linux_pwm *pwm, const char *root, const char *chip,
@@ -175,7 +300,8 @@ enum hal_status linux_pwm_open(struct linux_pwm *pwm, const char *root, const ch
     snprintf(pwm->folder, sizeof pwm->folder, "%.150s/%.40s", root, chip);
     snprintf(pwm->name, sizeof pwm->name, "%.31s", chip);
     enum hal_status status = hal_pwm_bind(&pwm->hal, &ops, pwm);
-    const long there = get_number(pwm->folder, "npwm");
+    const long there = count_outputs(pwm->folder);
+    pwm->kind = find_kind(pwm->folder);
     if (there < 0) {
         linux_error_set(&pwm->error, chip, "no such PWM chip", MISSING_REMEDY);
         status = HAL_ERROR_GONE;
@@ -230,9 +356,10 @@ uint32_t linux_pwm_list(const char *root, struct linux_pwm_chip *chips, uint32_t
     for (int i = 0; i < found; i++) {
         char folder[300];
         snprintf(folder, sizeof folder, "%s/%s", root, entries[i]->d_name);
-        const long channels = get_number(folder, "npwm");
+        const long channels = count_outputs(folder);
         if (channels >= 0) {
             if (count < capacity) {
+                get_driver(folder, chips[count].driver, sizeof chips[count].driver);
                 snprintf(chips[count].name, sizeof chips[count].name, "%.31s", entries[i]->d_name);
                 chips[count].channel_count = (uint32_t)channels;
             }

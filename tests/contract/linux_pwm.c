@@ -2,7 +2,11 @@
 /// them and check nothing; what the kernel would refuse is looked for here.
 #include "linux/linux_pwm.h"
 #include "contract/support/contract.h"
+#include "contract/support/failing_pwm.h"
 #include "contract/support/pwm_suite.h"
+#include "contract/support/syscalls.h"
+
+#include <errno.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +17,8 @@
 #define CHANNELS 4U
 
 static struct linux_pwm pwm;
+static struct failing_pwm failing;
+static const char *driver; ///< of the chip; null: it doesn't tell
 static char root[] = "/tmp/boresight-pwm-XXXXXX";
 
 static void put(const char *file, const char *text) {
@@ -49,6 +55,11 @@ static void make_chip(void) {
     mkdir(path, 0755);
     put("pwmchip3/npwm", "4\n");
     put("pwmchip3/export", "");
+    snprintf(path, sizeof path, "%s/pwmchip3/device", root);
+    mkdir(path, 0755);
+    snprintf(path, sizeof path, "%s/pwmchip3/device/driver", root);
+    (void)unlink(path);
+    CHECK(driver == NULL || symlink(driver, path) == 0);
     for (unsigned i = 0; i < CHANNELS; i++) {
         char file[64];
         snprintf(path, sizeof path, "%s/pwmchip3/pwm%u", root, i);
@@ -68,6 +79,12 @@ static void reset(void *context) {
     linux_pwm_close(&pwm);
     make_chip();
     CHECK_EQ(linux_pwm_open(&pwm, root, "pwmchip3", 15), HAL_OK);
+    failing_pwm_init(&failing, &pwm.hal);
+}
+
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    return failing_pwm_at(&failing, nth, status);
 }
 
 static void measure(void *context, uint32_t channel, uint32_t *pulse_ns, uint32_t *period_ns) {
@@ -86,6 +103,23 @@ static void closing_ends_the_pulses(void) {
     CHECK_EQ(get_of(1, "duty_cycle"), 0);
     CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 1, 1500000), HAL_ERROR_GONE);
     CHECK_EQ(get_of(1, "duty_cycle"), 0);
+}
+
+/// Also when no pulse changes for hours.
+static void a_chip_that_leaves_is_noticed(void) {
+    struct hal_pwm_limits limits;
+    reset(NULL);
+    CHECK_EQ(linux_pwm_poll(&pwm), HAL_OK);
+    syscalls_at(2, SYSCALLS_FAIL, EIO);
+    CHECK_EQ(linux_pwm_poll(&pwm), HAL_ERROR_IO); // it may come round
+    CHECK_EQ(linux_pwm_poll(&pwm), HAL_OK);
+    syscalls_at(3, SYSCALLS_FAIL, ENODEV);
+    CHECK_EQ(linux_pwm_poll(&pwm), HAL_ERROR_GONE);
+    CHECK(strcmp(pwm.error.line,
+                 "pwmchip3 output 2: the chip has gone; was its driver unloaded?") == 0);
+    CHECK_EQ(linux_pwm_poll(&pwm), HAL_ERROR_GONE);
+    CHECK_EQ(hal_pwm_limits(&pwm.hal, 0, &limits), HAL_ERROR_GONE);
+    syscalls_at(0, SYSCALLS_FAIL, 0);
 }
 
 /// Only what was asked for is touched.
@@ -118,8 +152,9 @@ static void refusals_say_what_to_do(void) {
     linux_pwm_close(&pwm);
     make_chip();
     CHECK_EQ(linux_pwm_open(&pwm, root, "pwmchip4", 1), HAL_ERROR_GONE);
-    CHECK(strcmp(pwm.error.line, "pwmchip4: no such PWM chip; is the overlay loaded "
-                                 "(dtoverlay=pwm-2chan)? `boresight probe` lists the chips") == 0);
+    CHECK(strcmp(pwm.error.line,
+                 "pwmchip4: no such PWM chip; is the overlay loaded "
+                 "(pwm-2chan, i2c-pwm-pca9685a)? `boresight probe` lists the chips") == 0);
     CHECK_EQ(linux_pwm_open(&pwm, root, "pwmchip3", 1U << 4), HAL_ERROR_ARGUMENT);
     CHECK(strcmp(pwm.error.line, "pwmchip3: has 4 outputs, 0 to 3; choose another channel") == 0);
     struct hal_pwm_limits limits;
@@ -141,17 +176,83 @@ static void chips_are_listed(void) {
     CHECK_EQ(linux_pwm_list("/nowhere", chips, 4), 0);
 }
 
+/// Whichever write of a change fails: what holds is the old pulses and the old period, and what
+/// comes next works.
+static void a_write_fails_whichever(void) {
+    uint32_t writes = 1;
+    for (uint32_t nth = 1; nth <= writes && check_clean(); nth++) {
+        uint32_t pulse_ns, period_ns;
+        reset(NULL);
+        for (uint32_t i = 0; i < CHANNELS; i++) {
+            CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, i, 976000U * (i % 3U)), HAL_OK);
+        }
+        const uint32_t before_ns = get_of(0, "period");
+        syscalls_at(nth, SYSCALLS_FAIL, EIO);
+        const enum hal_status changed = hal_pwm_set_period(&pwm.hal, 1, 4096000);
+        CHECK(changed == HAL_OK || changed == HAL_ERROR_IO);
+        const enum hal_status begun = hal_pwm_set_pulse(&pwm.hal, 0, 976000);
+        const enum hal_status ended = hal_pwm_set_pulse(&pwm.hal, 1, 0);
+        const bool failed = syscalls_met();
+        writes = failed ? writes + 1U : writes;
+        syscalls_at(0, SYSCALLS_FAIL, 0);
+        CHECK_EQ((changed != HAL_OK) + (begun != HAL_OK) + (ended != HAL_OK), failed ? 1 : 0);
+        measure(NULL, 1, &pulse_ns, &period_ns);
+        CHECK_EQ(pulse_ns == 0U, ended == HAL_OK);
+        CHECK_NEAR(period_ns, changed == HAL_OK ? 4096000U : before_ns, 0);
+        measure(NULL, 0, &pulse_ns, &period_ns);
+        CHECK_EQ(pulse_ns == 0U, begun != HAL_OK);
+        measure(NULL, 2, &pulse_ns, &period_ns);
+        CHECK_NEAR(pulse_ns, 1952000, 4000);
+        CHECK_EQ(hal_pwm_set_period(&pwm.hal, 1, 20000000), HAL_OK);
+        CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 1, 1500000), HAL_OK);
+        measure(NULL, 1, &pulse_ns, &period_ns);
+        CHECK_NEAR(pulse_ns, 1500000, 2440);
+    }
+    check_note("writes", writes - 1U);
+}
+
+/// A servo board whose steps are known: the kernel is asked for the nearest one, not for what it
+/// would round up.
+static void a_known_chip_gets_whole_steps(void) {
+    reset(NULL);
+    CHECK_EQ(get_of(0, "period"), 122 * 163840);
+    CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 0, 1500000), HAL_OK);
+    CHECK_EQ(get_of(0, "duty_cycle"), 307 * 4880);
+    CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 1, 1501000), HAL_OK);
+    CHECK_EQ(get_of(1, "duty_cycle"), 308 * 4880);
+    put("pwmchip3/npwm", "17\n"); // the kernel's last one is all of them at once
+    linux_pwm_close(&pwm);
+    CHECK_EQ(linux_pwm_open(&pwm, root, "pwmchip3", 1U << 16), HAL_ERROR_ARGUMENT);
+    CHECK(strcmp(pwm.error.line, "pwmchip3: has 16 outputs, 0 to 15; choose another channel") == 0);
+    struct linux_pwm_chip chip;
+    CHECK_EQ(linux_pwm_list(root, &chip, 1), 1);
+    CHECK_EQ(chip.channel_count, 16);
+    CHECK(strcmp(chip.driver, "pca9685-pwm") == 0);
+}
+
+static void suite(const char *name, uint32_t period_step_ns) {
+    reset(NULL);
+    pwm_suite(&(struct pwm_fixture){.name = name,
+                                    .pwm = &failing.hal,
+                                    .channel_count = CHANNELS,
+                                    .reset = reset,
+                                    .measure = measure,
+                                    .period_step_ns = period_step_ns,
+                                    .fail_at = fail_at});
+    CONTRACT(name, a_write_fails_whichever);
+}
+
 int main(void) {
     if (mkdtemp(root) == NULL) {
         return 2;
     }
-    reset(NULL);
-    pwm_suite(&(struct pwm_fixture){.name = "linux_pwm",
-                                    .pwm = &pwm.hal,
-                                    .channel_count = CHANNELS,
-                                    .reset = reset,
-                                    .measure = measure});
+    driver = "/nowhere/drivers/pca9685-pwm";
+    suite("linux_pwm_pca9685", 163840);
+    CONTRACT("linux_pwm_pca9685", a_known_chip_gets_whole_steps);
+    driver = NULL;
+    suite("linux_pwm", 0);
     CONTRACT("linux_pwm", closing_ends_the_pulses);
+    CONTRACT("linux_pwm", a_chip_that_leaves_is_noticed);
     CONTRACT("linux_pwm", other_outputs_are_let_be);
     CONTRACT("linux_pwm", outputs_are_exported);
     CONTRACT("linux_pwm", refusals_say_what_to_do);

@@ -37,19 +37,19 @@ for at in $(LC_ALL=C grep -abo -F "$(printf '\3757zXZ')" "$packed" | cut -d: -f1
 done
 [ -s "$work/vmlinux" ] || cannot "no kernel found in $packed"
 
-# gpio-sim and irq_sim are not built for the distribution's kernels, so they are built from its source. irq_to_desc is not
-# exported to modules; irq_data_to_desc(irq_get_irq_data()) is the same.
+# gpio-sim, irq_sim and the driver of the PCA9685 are not built for the distribution's kernels, so they are built from its source.
+# irq_to_desc is not exported to modules; irq_data_to_desc(irq_get_irq_data()) is the same.
 dpkg-deb --fsys-tarfile "$work/fetched/$source"_*.deb | tar -xO "./usr/src/$source.tar.xz" |
     tar -xJ -C "$work" --strip-components 1 "$source/drivers/gpio/gpio-sim.c" "$source/drivers/gpio/gpiolib.h" \
-        "$source/kernel/irq/irq_sim.c" || exit 1
-cp "$work/drivers/gpio/gpio-sim.c" "$work/drivers/gpio/gpiolib.h" "$work/kernel/irq/irq_sim.c" "$work/modules/"
+        "$source/drivers/pwm/pwm-pca9685.c" "$source/kernel/irq/irq_sim.c" || exit 1
+cp "$work/drivers/gpio/gpio-sim.c" "$work/drivers/gpio/gpiolib.h" "$work/drivers/pwm/pwm-pca9685.c" "$work/kernel/irq/irq_sim.c" "$work/modules/"
 sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/
     s/#include <linux\/irq.h>/&\n#include <linux\/irqdesc.h>\n#include <linux\/module.h>/' "$work/modules/irq_sim.c"
 echo 'MODULE_LICENSE("GPL");' >>"$work/modules/irq_sim.c"
-echo 'obj-m := irq_sim.o gpio-sim.o' >"$work/modules/Makefile"
+echo 'obj-m := irq_sim.o gpio-sim.o pwm-pca9685.o' >"$work/modules/Makefile"
 env -u MAKEFLAGS -u MAKELEVEL make -s -C "$headers" "M=$work/modules" modules >>"$work/log" 2>&1 || {
     tail -n 5 "$work/log" >&2
-    cannot 'gpio-sim can not be built'
+    cannot 'gpio-sim, irq_sim and pwm-pca9685 can not be built'
 }
 tree=$work/kernel/lib/modules/$version
 mkdir -p "$tree/extra"

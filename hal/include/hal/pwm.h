@@ -14,7 +14,8 @@
 struct hal_pwm_limits {
     uint32_t period_ns;
     uint32_t period_ns_min, period_ns_max;
-    /// Pulse widths and periods are rounded to the nearest multiple of this. At least 1.
+    /// Pulse widths are rounded to the nearest multiple of this; it may change with the period. At
+    /// least 1. Periods too, but some devices have fewer: what they gave is period_ns.
     uint32_t resolution_ns;
 };
 

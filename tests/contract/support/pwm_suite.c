@@ -26,6 +26,11 @@ static uint64_t rounded(uint64_t ns, uint64_t resolution_ns) {
     return ns != 0U && below == 0U ? resolution_ns : below;
 }
 
+/// How far a period may be from what was asked for.
+static uint32_t period_error_ns(const struct hal_pwm_limits *limits) {
+    return (fixture->period_step_ns > 0U ? fixture->period_step_ns : limits->resolution_ns) / 2U;
+}
+
 static void expect_pulse(uint32_t channel, uint64_t pulse_ns) {
     uint32_t got_pulse_ns, got_period_ns;
     fixture->measure(fixture->context, channel, &got_pulse_ns, &got_period_ns);
@@ -129,7 +134,7 @@ static void periods(void) {
                 continue;
             }
             CHECK_EQ(hal_pwm_set_period(fixture->pwm, channel, good[i]), HAL_OK);
-            CHECK_NEAR(limits_of(channel).period_ns, good[i], limits.resolution_ns / 2U);
+            CHECK_NEAR(limits_of(channel).period_ns, good[i], period_error_ns(&limits));
             for (uint32_t other = 0; other < fixture->channel_count; other++) {
                 expect_pulse(other, 1000000U + other * 10000U);
             }
@@ -151,7 +156,7 @@ static void shortest_period(void) {
     for (uint32_t channel = 0; channel < fixture->channel_count; channel++) {
         const struct hal_pwm_limits limits = limits_of(channel);
         CHECK_EQ(hal_pwm_set_period(fixture->pwm, channel, limits.period_ns_min), HAL_OK);
-        CHECK_NEAR(limits_of(channel).period_ns, limits.period_ns_min, limits.resolution_ns / 2U);
+        CHECK_NEAR(limits_of(channel).period_ns, limits.period_ns_min, period_error_ns(&limits));
         expect_pulse(channel, 0);
     }
 }
@@ -159,7 +164,6 @@ static void shortest_period(void) {
 static void exercise(struct contract_plan *plan) {
     for (uint32_t i = 1; i <= 2U * fixture->channel_count; i++) {
         const uint32_t channel = i % fixture->channel_count, width_ns = 600000U + i * 20000U;
-        const struct hal_pwm_limits limits = limits_of(channel);
         uint32_t before_ns, after_ns, period_ns, period_after_ns;
         fixture->measure(fixture->context, channel, &before_ns, &period_ns);
         if (contract_failed(plan, hal_pwm_set_pulse(fixture->pwm, channel, width_ns))) {
@@ -173,8 +177,9 @@ static void exercise(struct contract_plan *plan) {
             CHECK(!contract_failed(plan, hal_pwm_set_period(fixture->pwm, channel, 19000000)));
         }
         fixture->measure(fixture->context, channel, &after_ns, &period_after_ns);
-        CHECK_NEAR(after_ns, rounded(width_ns, limits.resolution_ns), fixture->measure_error_ns);
-        CHECK_NEAR(period_after_ns, 19000000, limits.resolution_ns + fixture->measure_error_ns);
+        const struct hal_pwm_limits now = limits_of(channel);
+        CHECK_NEAR(after_ns, rounded(width_ns, now.resolution_ns), fixture->measure_error_ns);
+        CHECK_NEAR(period_after_ns, 19000000, period_error_ns(&now) + fixture->measure_error_ns);
     }
 }
 

@@ -17,6 +17,8 @@ struct pwm_fixture {
     void (*measure)(void *context, uint32_t channel, uint32_t *pulse_ns, uint32_t *period_ns);
     /// How far a measurement may be off.
     uint32_t measure_error_ns;
+    /// Of devices whose periods have coarser steps than their pulses; 0: as fine.
+    uint32_t period_step_ns;
     /// See contract.h.
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
 };

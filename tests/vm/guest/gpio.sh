@@ -1,4 +1,4 @@
-# GPIO lines on a bank of gpio-sim.
+# GPIO lines on a bank of gpio-sim; PWM outputs of a PCA9685.
 . tests/vm/guest/check.sh
 load -a gpio-sim
 mount -t configfs config /sys/kernel/config 2>/dev/null
@@ -11,5 +11,9 @@ if [ -z "$VM_SUFFIX" ]; then
     sed 's/ linux_gpio\./ linux_gpio_2./' /tmp/gpio2
     verdict gpio.linux_gpio_2_ended_well $status
 fi
-# No chip of the distribution's kernel gives PWM on this machine; tests/contract/linux_pwm.c has files that stand for one.
-[ -n "$VM_SUFFIX" ] || [ -e /sys/class/pwm/pwmchip0 ] || echo 'SKIP vm.gpio.pwm_by_sysfs: this kernel has no PWM chip here'
+# PWM: the kernel's driver of the PCA9685 on the registers of i2c-stub.
+rmmod gpio-sim 2>/dev/null
+load i2c-stub chip_addr=0x40
+load -a i2c-dev pwm-pca9685
+"$VM_PROGRAMS/linux_pwm"
+verdict gpio$VM_SUFFIX.linux_pwm_ended_well $?

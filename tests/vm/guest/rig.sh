@@ -149,3 +149,64 @@ done
 unplug
 echo 0 >$bank/live
 rmdir $bank/bank0 $bank
+
+# ---------------------------------------------------------------- servos on a PCA9685, the kernel's driver of it on i2c-stub's registers
+sed 's/^device = fake/device = pwmchip0/' host-sim/rigs/hobby.ini >"$work/rig.ini"
+printf '\n[controller]\ntick_us = 10000\n' >>"$work/rig.ini"
+start --arm
+wait $runner
+[ $? -eq 4 ] && says 'pwmchip0: no such PWM chip; is the overlay loaded '
+verdict rig.no_pwm_chip_is_status_4 $? "$work/run.err"
+load i2c-stub chip_addr=0x40
+load -a i2c-dev pwm-pca9685
+i2c=$(echo /sys/bus/i2c/devices/i2c-*)
+i2c=${i2c##*-}
+driver=/sys/bus/i2c/drivers/pca9685-pwm
+# As after power-on: asleep, outputs off, 200 Hz.
+register() { i2cget -y -f "$i2c" 0x40 "$1"; }
+i2cset -y -f "$i2c" 0x40 0x00 0x11
+i2cset -y -f "$i2c" 0x40 0xfe 0x1e
+for off_high in 0x09 0x0d; do i2cset -y -f "$i2c" 0x40 $off_high 0x10; done
+echo pca9685 0x40 >"/sys/bus/i2c/devices/i2c-$i2c/new_device"
+"$boresight" probe >"$work/probe"
+grep -q '^pwm .* device = pwmchip0 .*pca9685-pwm, channels 0 to 15$' "$work/probe"
+verdict rig.probe_lists_the_pca9685 $? "$work/probe"
+
+# Counts (of 4880 ns) that an output is high; 0: off. By the registers ON_L, ON_H, OFF_L, OFF_H.
+counts_of() { # FIRST-REGISTER
+    echo $(($(register $(($1 + 3))) & 16 ? 0 : (($(register $(($1 + 3))) << 8) + $(register $(($1 + 2))) - \
+        ($(register $(($1 + 1))) << 8) - $(register "$1")) & 4095))
+}
+wanted_counts() { awk -v deg="$1" 'BEGIN { printf "%d", (1500000 + deg * 1333333.333 / 120) / 4880 + 0.5 }'; }
+chip_gives() { [ "$(counts_of 6)" -eq "$1" ] && [ "$(counts_of 10)" -eq "$2" ]; }
+start --arm --stay
+until_true 60 says 'run: tracking'
+until_true 60 chip_gives "$(wanted_counts 26.5651)" "$(wanted_counts 10.1421)"
+verdict rig.pca9685_gets_the_pulses_of_the_aim $? "$work/run.err"
+[ "$(register 0xfe)" = 0x79 ] # 4096 * 122 * 40 ns = 19.99 ms
+verdict rig.pca9685_has_the_period_of_servos $?
+[ "$(counts_of 14)" -eq 0 ]
+verdict rig.pca9685_other_outputs_are_silent $?
+echo "$i2c-0040" >$driver/unbind
+until_true 60 says 'pwmchip0 output [01]: the chip has gone; was its driver unloaded?'
+verdict rig.tells_that_the_pwm_chip_has_gone $? "$work/run.err"
+chip_gives 0 0
+verdict rig.its_servos_are_let_go $?
+echo "$i2c-0040" >$driver/bind
+until_true 60 says 'all devices are there again'
+verdict rig.opens_the_pwm_chip_again $? "$work/run.err"
+kill -USR1 $runner
+until_true 60 says 'run: tracking' 2 && until_true 60 chip_gives "$(wanted_counts 26.5651)" "$(wanted_counts 10.1421)"
+verdict rig.goes_on_with_the_pwm_chip $? "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ]
+verdict rig.ends_well_with_the_pwm_chip $? "$work/run.err"
+chip_gives 0 0
+verdict rig.pwm_outputs_are_off_in_the_end $?
+start --arm
+until_true 60 says 'run: tracking'
+echo "$i2c-0040" >$driver/unbind
+wait $runner
+[ $? -eq 4 ] && says 'the chip has gone'
+verdict rig.a_lost_pwm_chip_is_status_4 $? "$work/run.err"
