@@ -40,3 +40,9 @@ detect_frames := $(foreach t,tag marker motion,$(B)/gcc/tests/property/$(t)_fram
 bench-detect: $(detect_frames) ## Count the instructions of the detectors on rendered frames
 	@.ci/need bench
 	@sh tests/bench/detect.sh $(B)
+
+levine_o := $(patsubst %.c,$(B)/gcc/%.o,$(wildcard tests/bench/levine/*.c))
+-include $(levine_o:.o=.d)
+$(B)/bench-levine: $(levine_o) $(B)/gcc/libtest.a $(gcc_libs)
+	$(say) LD $@
+	gcc -o $@ $^ -Wl,--as-needed -ljansson $(feature_libs) -lmpfr -lgmp -lm
