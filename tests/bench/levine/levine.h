@@ -15,6 +15,7 @@ void levine_hull(bool few);       ///< appendix I
 void levine_sphere(bool few);     ///< appendix II
 void levine_dimensions(bool few); ///< chapter VIII asks for it
 void levine_hidden(bool few);     ///< appendix III
+void levine_sweep(bool few);      ///< the same for each degree
 void levine_large(bool few);      ///< hidden lines up to 4,096 cubes
 void levine_retrieval(bool few);  ///< chapter II: octree, box tree and sphere tree
 

@@ -73,7 +73,8 @@ int main(int argc, char **argv) {
         const char *name;
         void (*run)(bool few);
     } parts[] = {
-        {"hull", levine_hull}, {"sphere", levine_sphere}, {"dimensions", levine_dimensions}};
+        {"hull", levine_hull},     {"sphere", levine_sphere}, {"dimensions", levine_dimensions},
+        {"hidden", levine_hidden}, {"sweep", levine_sweep},   {"large", levine_large}};
     const bool few = argc > 2 && strcmp(argv[2], "few") == 0;
     for (size_t i = 0; argc > 1 && i < sizeof parts / sizeof *parts; i++) {
         if (strcmp(argv[1], parts[i].name) == 0) {
