@@ -1,16 +1,13 @@
 /// Appendix I: points on the hull, tests by Levine's method and by Chand and Kapur's.
 #include "bench/levine/clouds.h"
 #include "bench/levine/levine.h"
+#include "bench/levine/search.h"
 #include "bench/levine/sums.h"
 
 #include "check.h"
 
-#include "solid/solid_hull.h"
-
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static struct vec3 points[LEVINE_COUNT_MOST];
 
@@ -24,25 +21,11 @@ struct counts {
 /// The averages of one size.
 enum mean { MEAN_NPTH, MEAN_NT, MEAN_NEQ, MEAN_NT_EACH, MEAN_NEQ_EACH, MEAN_COUNT };
 
-static void *workspace(void) {
-    static void *memory;
-    memory = memory == NULL ? malloc(SOLID_HULL_WORKSPACE_BYTES(LEVINE_COUNT_MOST)) : memory;
-    return memory;
-}
-
-static struct solid_hull find(uint32_t count, enum solid_hull_method method) {
-    struct solid_hull hull;
-    CHECK_EQ(solid_hull_find(points, count, method, workspace(),
-                             SOLID_HULL_WORKSPACE_BYTES(LEVINE_COUNT_MOST), &hull),
-             SOLID_HULL_OK);
-    return hull;
-}
-
 static void run_cases(enum cloud cloud, uint32_t count, uint32_t cases, struct counts *out) {
     out->cases = cases;
     for (uint32_t i = 0; i < cases; i++) {
         cloud_draw(cloud, count, i, points);
-        const struct solid_hull hull = find(count, SOLID_HULL_LEVINE);
+        const struct solid_hull hull = search_hull(points, count, SOLID_HULL_LEVINE);
         CHECK_EQ(hull.face_count, 2U * hull.vertex_count - 4U);
         out->npth[i] = hull.vertex_count;
         out->nt[i] = (double)hull.side_tests;
@@ -102,8 +85,9 @@ static double share_of_neq(void) {
         for (uint32_t count = 25; count <= 200U; count *= 2U) {
             for (uint32_t i = 0; i < 3U; i++) {
                 cloud_draw((enum cloud)cloud, count, i, points);
-                const uint32_t vertices = find(count, SOLID_HULL_LEVINE).vertex_count;
-                const struct solid_hull hull = find(count, SOLID_HULL_WRAP);
+                const uint32_t vertices =
+                    search_hull(points, count, SOLID_HULL_LEVINE).vertex_count;
+                const struct solid_hull hull = search_hull(points, count, SOLID_HULL_WRAP);
                 CHECK_EQ(hull.vertex_count, vertices);
                 tests += (double)hull.side_tests;
                 neq += 3.0 * count * hull.face_count;
@@ -116,7 +100,8 @@ static double share_of_neq(void) {
 static void eight_kinds(bool few) {
     static struct counts counts[CLOUD_COUNT];
     static double mean[CLOUD_COUNT][LEVINE_STEPS_MOST][MEAN_COUNT];
-    double least_each = 9, most_each = 0, least_neq = 9, most_neq = 0, most_points = 0;
+    double least_each = 9, most_each = 0, least_neq = 9, most_neq = 0, most_points = 0,
+           least_ratio = 99, most_ratio = 0;
     levine_table("hull");
     for (int k = 0; k < CLOUD_COUNT; k++) {
         const uint32_t steps = few ? LEVINE_STEPS_FEW : cloud_steps((enum cloud)k);
@@ -141,6 +126,9 @@ static void eight_kinds(bool few) {
         most_each = fmax(most_each, exponent[MEAN_NT_EACH]);
         least_neq = fmin(least_neq, exponent[MEAN_NEQ_EACH]);
         most_neq = fmax(most_neq, exponent[MEAN_NEQ_EACH]);
+        const double *const last = mean[k][cloud_steps((enum cloud)k) - 1U];
+        least_ratio = fmin(least_ratio, last[MEAN_NEQ] / last[MEAN_NT]);
+        most_ratio = fmax(most_ratio, last[MEAN_NEQ] / last[MEAN_NT]);
         if (k == CLOUD_CUBE1 || k == CLOUD_CUBE4) {
             levine_value(k == CLOUD_CUBE1 ? "npth_cube1" : "npth_cube4", exponent[MEAN_NPTH]);
         }
@@ -158,6 +146,8 @@ static void eight_kinds(bool few) {
     levine_value("nt_each_most", most_each);
     levine_value("neq_each_least", least_neq);
     levine_value("neq_each_most", most_neq);
+    levine_value("neq_nt_least", least_ratio);
+    levine_value("neq_nt_most", most_ratio);
     levine_value("npth_most", most_points);
     levine_value("wrap_share", share_of_neq());
 }

@@ -13,6 +13,7 @@
 /// few: only those rows that `make check` compares; they are the same as in a full run.
 void levine_hull(bool few);       ///< appendix I
 void levine_sphere(bool few);     ///< appendix II
+void levine_trials(bool few);     ///< the same without the order, and with other limits
 void levine_dimensions(bool few); ///< chapter VIII asks for it
 void levine_hidden(bool few);     ///< appendix III
 void levine_sweep(bool few);      ///< the same for each degree

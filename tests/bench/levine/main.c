@@ -12,7 +12,7 @@ void levine_table(const char *name) {
 }
 
 void levine_value(const char *name, double value) {
-    printf("@value %s %.4g\n", name, value);
+    printf("@value %s %.12g\n", name, value);
 }
 
 void levine_number(double value) {
@@ -72,9 +72,10 @@ int main(int argc, char **argv) {
     static const struct {
         const char *name;
         void (*run)(bool few);
-    } parts[] = {
-        {"hull", levine_hull},     {"sphere", levine_sphere}, {"dimensions", levine_dimensions},
-        {"hidden", levine_hidden}, {"sweep", levine_sweep},   {"large", levine_large}};
+    } parts[] = {{"hull", levine_hull},     {"sphere", levine_sphere},
+                 {"trials", levine_trials}, {"dimensions", levine_dimensions},
+                 {"hidden", levine_hidden}, {"sweep", levine_sweep},
+                 {"large", levine_large},   {"retrieval", levine_retrieval}};
     const bool few = argc > 2 && strcmp(argv[2], "few") == 0;
     for (size_t i = 0; argc > 1 && i < sizeof parts / sizeof *parts; i++) {
         if (strcmp(argv[1], parts[i].name) == 0) {

@@ -1,15 +1,13 @@
 /// Appendix II: the search for the smallest sphere, by the solid angles of the hull's vertices.
 #include "bench/levine/clouds.h"
 #include "bench/levine/levine.h"
+#include "bench/levine/search.h"
 #include "bench/levine/sums.h"
 
 #include "check.h"
 
-#include "solid/solid_sphere.h"
-
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define PLACES_MOST 26U ///< the thesis gives up by this point
@@ -42,40 +40,15 @@ struct counts {
     uint32_t place[PLACES_MOST];
 };
 
-static void *workspace(void) {
-    static void *memory;
-    memory =
-        memory == NULL ? malloc(SOLID_SPHERE_TRIAL_WORKSPACE_BYTES(LEVINE_COUNT_MOST)) : memory;
-    return memory;
-}
-
-static enum solid_sphere_status find(uint32_t count, enum solid_sphere_order order, uint32_t most,
-                                     struct solid_sphere *out) {
-    return solid_sphere_by_trial(points, count, order, most, workspace(),
-                                 SOLID_SPHERE_TRIAL_WORKSPACE_BYTES(LEVINE_COUNT_MOST), out);
-}
-
-static uint32_t vertices_of(uint32_t count) {
-    struct solid_hull hull;
-    CHECK_EQ(solid_hull_find(points, count, SOLID_HULL_CAPS, workspace(),
-                             SOLID_HULL_WORKSPACE_BYTES(LEVINE_COUNT_MOST), &hull),
-             SOLID_HULL_OK);
-    return hull.vertex_count;
-}
-
-/// Half of all spheres through two, three and four of n points.
-static double expected_spheres(double n) {
-    return (n * (n - 1) * (n - 2) * (n - 3) / 24 + n * (n - 1) * (n - 2) / 6 + 1) / 2;
-}
-
 static void put(struct counts *c, enum quantity quantity, double value) {
     c->value[quantity][c->filled[quantity]++] = value;
 }
 
 static void run_case(struct counts *c, uint32_t count) {
     struct solid_sphere s;
-    const bool found = find(count, SOLID_SPHERE_SHARPEST_FIRST, PLACES_MOST, &s) == SOLID_SPHERE_OK;
-    const uint32_t npth = vertices_of(count);
+    const bool found = search_sphere(points, count, SOLID_SPHERE_SHARPEST_FIRST, PLACES_MOST, &s) ==
+                       SOLID_SPHERE_OK;
+    const uint32_t npth = search_hull(points, count, SOLID_HULL_CAPS).vertex_count;
     const double lost = found ? 0 : INFINITY;
     c->npth += npth;
     put(c, NT, (double)s.point_tests + lost);
@@ -83,8 +56,8 @@ static void run_case(struct counts *c, uint32_t count) {
     put(c, NSC, (double)s.spheres_created + lost);
     put(c, NST, (double)s.spheres_tested + lost);
     put(c, NST_SHARE, (double)s.spheres_tested / (double)s.spheres_created + lost);
-    put(c, ESC, expected_spheres(npth));
-    put(c, GAIN, found ? expected_spheres(npth) / (double)s.spheres_created : 0);
+    put(c, ESC, search_expected(npth));
+    put(c, GAIN, found ? search_expected(npth) / (double)s.spheres_created : 0);
     if (!found) {
         c->none++;
         return;
@@ -148,16 +121,22 @@ static void print_parts(enum cloud cloud, uint32_t count, const struct counts *c
 
 static struct counts counts[CLOUD_COUNT][LEVINE_STEPS_MOST];
 
-static void print_exponents(enum cloud cloud, uint32_t steps) {
+/// The slope of the last four sizes.
+static double exponent_of(enum cloud cloud, enum quantity quantity, double share) {
+    const uint32_t steps = cloud_steps(cloud);
+    double x[4], y[4];
+    for (uint32_t i = 0; i < 4U; i++) {
+        x[i] = levine_count(steps - 4U + i);
+        y[i] = part(&counts[cloud][steps - 4U + i], quantity, share);
+    }
+    return sums_exponent(x, y, 4);
+}
+
+static void print_exponents(enum cloud cloud) {
     printf("| %s |", cloud_name(cloud));
     for (int q = NT; q <= ESC; q++) {
         for (int k = 0; k < 4; k++) {
-            double x[4], y[4];
-            for (uint32_t i = 0; i < 4U; i++) {
-                x[i] = levine_count(steps - 4U + i);
-                y[i] = part(&counts[cloud][steps - 4U + i], (enum quantity)q, shares[k]);
-            }
-            const double exponent = sums_exponent(x, y, 4);
+            const double exponent = exponent_of(cloud, (enum quantity)q, shares[k]);
             printf(isfinite(exponent) ? " %.2f" : " -", exponent);
             printf(k < 3 ? " /" : " |");
         }
@@ -193,32 +172,6 @@ static void print_histograms(void) {
     }
 }
 
-/// The search without the heuristic, where it can be waited for.
-static void without_heuristic(bool few) {
-    levine_table("sphere-plain");
-    for (int k = 0; k < CLOUD_COUNT; k++) {
-        for (uint32_t count = 25; count <= (few ? 25U : 50U); count *= 2U) {
-            double plain = 0, expected = 0, sharp = 0;
-            for (uint32_t i = 0; i < LEVINE_CASES; i++) {
-                struct solid_sphere s;
-                cloud_draw((enum cloud)k, count, i, points);
-                CHECK_EQ(find(count, SOLID_SPHERE_AS_LISTED, 0, &s), SOLID_SPHERE_OK);
-                plain += (double)s.spheres_created / LEVINE_CASES;
-                CHECK_EQ(find(count, SOLID_SPHERE_SHARPEST_FIRST, 0, &s), SOLID_SPHERE_OK);
-                sharp += (double)s.spheres_created / LEVINE_CASES;
-                expected += expected_spheres(vertices_of(count)) / LEVINE_CASES;
-            }
-            printf("| %s | %u |", cloud_name((enum cloud)k), count);
-            levine_cell(expected);
-            levine_cell(plain);
-            levine_cell(sharp);
-            levine_cell(plain / sharp);
-            printf("\n");
-            fflush(stdout);
-        }
-    }
-}
-
 static void print_values(void) {
     const struct counts *const ellipse = &counts[CLOUD_ELLIPSE][6];
     double most = 0, least_first = 100, last_used = 0;
@@ -239,6 +192,14 @@ static void print_values(void) {
     levine_value("gain_most", log10(most));
     levine_value("first_cube1", least_first);
     levine_value("last_used", last_used);
+    levine_value("nt_sphere1", exponent_of(CLOUD_SPHERE1, NT_EACH, 0.5));
+    levine_value("nt_sphere4", exponent_of(CLOUD_SPHERE4, NT_EACH, 0.5));
+    levine_value("nt_ellipse", exponent_of(CLOUD_ELLIPSE, NT_EACH, 0.5));
+    levine_value("nt_cube1", exponent_of(CLOUD_CUBE1, NT_EACH, 0.5));
+    levine_value("nt_cube2", exponent_of(CLOUD_CUBE2, NT_EACH, 0.5));
+    levine_value("nt_cube4", exponent_of(CLOUD_CUBE4, NT_EACH, 0.5));
+    levine_value("spheres_100", 2 * search_expected(100));
+    levine_value("spheres_400", search_expected(400));
 }
 
 void levine_sphere(bool few) {
@@ -257,13 +218,12 @@ void levine_sphere(bool few) {
             print_parts((enum cloud)k, levine_count(step), &counts[k][step]);
         }
     }
-    without_heuristic(few);
     if (few) {
         return;
     }
     levine_table("sphere-exponents");
     for (int k = 0; k < CLOUD_COUNT; k++) {
-        print_exponents((enum cloud)k, cloud_steps((enum cloud)k));
+        print_exponents((enum cloud)k);
     }
     print_histograms();
     print_values();
