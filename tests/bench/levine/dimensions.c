@@ -136,7 +136,7 @@ static const struct {
 void levine_dimensions(bool few) {
     static struct row rows[KINDS][CAPS_DIMENSIONS + 1U][LEVINE_STEPS_MOST];
     levine_table("dimensions");
-    for (int kind = 0; kind < KINDS; kind++) {
+    for (int kind = 0; kind < (few ? 1 : KINDS); kind++) {
         for (uint32_t d = 2; d <= CAPS_DIMENSIONS; d++) {
             for (uint32_t step = 0; step < (few ? 1U : sizes[kind][d].steps); step++) {
                 const uint32_t cases = step < sizes[kind][d].full ? LEVINE_CASES : 50U;

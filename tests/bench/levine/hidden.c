@@ -82,17 +82,17 @@ static void add_part(void *context, const struct hidden_segment *segment) {
 /// Step 1 by itself: the planes marked, and SO of every two objects.
 static double depth_seconds(struct bench *b, struct vec3 eye) {
     const uint32_t count = b->blocks.scene.set.object_count;
-    volatile uint32_t behind = 0;
+    int64_t balance = 0;
     const double start = levine_seconds();
     separate_look(&b->separate, eye);
     for (uint32_t l = 0; l < count; l++) {
-        uint32_t some = 0;
         for (uint32_t m = 0; m < count; m++) {
-            some += l != m && separate_order(&b->separate, l, m) == SEPARATE_BEHIND ? 1U : 0U;
+            balance += l != m ? separate_order(&b->separate, l, m) : 0;
         }
-        behind += some;
     }
-    return levine_seconds() - start;
+    const double seconds = levine_seconds() - start;
+    CHECK_EQ(balance, 0); // SO(l, m) = -SO(m, l)
+    return seconds;
 }
 
 static struct frame draw(struct bench *b, const struct hidden_camera *camera) {
@@ -204,6 +204,41 @@ static void by_distance(void) {
     }
 }
 
+/// The same picture, rolled: only the rectangles of the edges change.
+static struct hidden_camera rolled(struct hidden_camera camera, double degrees) {
+    const double c = cos(degrees * 0.017453292519943295), s = sin(degrees * 0.017453292519943295);
+    const struct vec3 r = camera.right, u = camera.up;
+    camera.right = vec3((int32_t)lrint(c * r.x + s * u.x), (int32_t)lrint(c * r.y + s * u.y),
+                        (int32_t)lrint(c * r.z + s * u.z));
+    camera.up = vec3((int32_t)lrint(c * u.x - s * r.x), (int32_t)lrint(c * u.y - s * r.y),
+                     (int32_t)lrint(c * u.z - s * r.z));
+    return camera;
+}
+
+static void by_roll(void) {
+    static const double rolls[] = {0, 5, 15, 45};
+    static const enum block_scene scenes[] = {BLOCKS_16, BLOCKS_48, BLOCKS_CITY, BLOCKS_RANDOM};
+    levine_table("hidden-roll");
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        struct bench b;
+        blocks_open(&b.blocks, scenes[i]);
+        open(&b, 1);
+        printf("| %s |", blocks_name(scenes[i]));
+        for (size_t k = 0; k < sizeof rolls / sizeof *rolls; k++) {
+            struct frame sum = {.parts = 0};
+            for (int degree = 0; degree < 360; degree++) {
+                const struct hidden_camera camera =
+                    rolled(blocks_camera(&b.blocks, TURN_YAW, degree, DISTANCE), rolls[k]);
+                const struct frame frame = draw(&b, &camera);
+                add(&sum, &frame, 1 / 360.0);
+            }
+            levine_cell(ratio(&sum));
+        }
+        printf("\n");
+        close(&b);
+    }
+}
+
 void levine_hidden(bool few) {
     static struct frame both[BLOCKS_COUNT];
     uint32_t objects[BLOCKS_COUNT];
@@ -241,6 +276,7 @@ void levine_hidden(bool few) {
             y[k] = both[k].seconds;
         }
     }
+    levine_value("distance", DISTANCE);
     levine_value("ai_ic_least", least);
     levine_value("ai_ic_most", most);
     levine_value("hidden_time", sums_exponent(x, y, 6));
@@ -248,6 +284,7 @@ void levine_hidden(bool few) {
     levine_value("time_city", 1e3 * both[BLOCKS_CITY].seconds);
     levine_value("depth_most", depth_most);
     by_distance();
+    by_roll();
 }
 
 /// The counters of each degree, for the pictures: not a table of the text.

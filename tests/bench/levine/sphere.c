@@ -174,11 +174,12 @@ static void print_histograms(void) {
 
 static void print_values(void) {
     const struct counts *const ellipse = &counts[CLOUD_ELLIPSE][6];
-    double most = 0, least_first = 100, last_used = 0;
+    double most = 0, least_first = 100, last_used = 0, cases = 0;
     for (int k = 0; k < CLOUD_COUNT; k++) {
         for (uint32_t step = 0; step < cloud_steps((enum cloud)k); step++) {
             most = fmax(most, part(&counts[k][step], GAIN, 1));
             last_used += counts[k][step].last_used;
+            cases += LEVINE_CASES;
         }
     }
     for (uint32_t step = 0; step < LEVINE_STEPS_MOST; step++) {
@@ -192,6 +193,7 @@ static void print_values(void) {
     levine_value("gain_most", log10(most));
     levine_value("first_cube1", least_first);
     levine_value("last_used", last_used);
+    levine_value("cases", cases);
     levine_value("nt_sphere1", exponent_of(CLOUD_SPHERE1, NT_EACH, 0.5));
     levine_value("nt_sphere4", exponent_of(CLOUD_SPHERE4, NT_EACH, 0.5));
     levine_value("nt_ellipse", exponent_of(CLOUD_ELLIPSE, NT_EACH, 0.5));
