@@ -29,6 +29,7 @@ need-check:
 $(B)/check/script/tests/gate/symbols.log: $(arm_objects) $(B)/gcc/libfirmware.a
 $(B)/check/script/tests/gate/image.log: $(mcu_boards:%=$(B)/boards/%/boresight.elf) $(scene_boards:%=$(B)/boards/%/scene/boresight.elf)
 $(B)/check/script/tests/gate/boot.log: $(B)/boards/stm32f405/boresight.elf
+$(B)/check/script/tests/gate/levine.log: $(B)/bench-levine
 $(B)/check/script/tests/gate/reproducible.log: $(foreach b,$(mcu_boards),$($(b)_files))
 
 $(B)/check/script/tests/mcu/rp2040/pico.log: $(pico_files) $(B)/gcc/tests/mcu/rp2040/plant

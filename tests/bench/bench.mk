@@ -40,3 +40,24 @@ detect_frames := $(foreach t,tag marker motion,$(B)/gcc/tests/property/$(t)_fram
 bench-detect: $(detect_frames) ## Count the instructions of the detectors on rendered frames
 	@.ci/need bench
 	@sh tests/bench/detect.sh $(B)
+
+levine_o := $(patsubst %.c,$(B)/gcc/%.o,$(wildcard tests/bench/levine/*.c))
+-include $(levine_o:.o=.d)
+$(B)/bench-levine: $(levine_o) $(B)/gcc/libtest.a $(gcc_libs)
+	$(say) LD $@
+	gcc -o $@ $^ -Wl,--as-needed -ljansson $(feature_libs) -lmpfr -lgmp -lm
+
+# What is only counted runs side by side; what is timed, alone.
+levine_counted := $(foreach p,trials sphere dimensions hull retrieval sweep,$(B)/bench/levine/$(p).txt)
+$(B)/bench/levine/%.txt: $(B)/bench-levine FORCE
+	@mkdir -p $(@D)
+	$(say) RUN $@
+	$< $* > $@
+
+.PHONY: bench-levine
+bench-levine: ## Run the tables of Levine 1975 again and write docs/levine.md with its pictures
+	@.ci/need bench
+	@$(MAKE) --no-print-directory $(levine_counted)
+	@$(MAKE) --no-print-directory -j1 $(B)/bench/levine/hidden.txt $(B)/bench/levine/large.txt
+	@sh tests/bench/levine/write.sh $(B)/bench/levine docs
+	@grep -E '^\| (App|ch|fig)' docs/levine.md
