@@ -21,7 +21,7 @@ struct measured_cone {
     bam32_t half_angle_bam32;
 };
 
-/// Cost: about 0.2 us a point. Shown: tests/cli/stars.c, tests/cli/cones.c.
+/// Cost: about 0.2 us a point. Shown: tests/cli/stars.c, tests/cli/measure.c.
 struct measured_cone measure_cone(struct vec3 axis_q30, const struct points *points);
 
 /// An angle in units of 2^64 a turn, rounded up.

@@ -74,6 +74,49 @@ for y in 4 6 9 14 22 40; do echo "-1.4 $y -1.5 1.4 $y -1.5"; done >>"$dir/rails.
 "$boresight" aim --project --plot-radius 80 --segments "$dir/rails.edges" "$dir/rails" |
     svg 'Rails that pass the viewer: a segment with an end behind is a ray' 80 >"$out/rails.svg"
 
+# The farthest-point diagram of ten points round ahead, seen from outside along the axis of their cone: of all that is nearer than a
+# quarter turn to the axis, the sites, the edges of the diagram, and the circle, whose centre is on an edge or at a vertex.
+awk 'BEGIN { split("0.1 0.5 -0.55 0.15 0.6 0.05 -0.2 -0.6 0.35 -0.45 -0.35 0.45 0.45 0.4 -0.6 -0.25 0.05 0.1 0.62 -0.2", p, " ")
+    for (i = 1; i < 20; i += 2) print p[i], 1, p[i + 1] }' >"$dir/sites"
+{ "$boresight" aim "$dir/sites" && "$boresight" voronoi "$dir/sites" && sed 's/^/site /' "$dir/sites"; } | awk '
+    function put(x, y, z,  s) { # sets X, Y, and F: how far in front
+        s = 100 / sqrt(x * x + y * y + z * z)
+        X = 180 + s * (x * right[1] + y * right[2] + z * right[3])
+        Y = 120 - s * (x * up[1] + y * up[2] + z * up[3])
+        F = s * (x * ahead[1] + y * ahead[2] + z * ahead[3])
+    }
+    BEGIN { sites = edges = 0 }
+    function axis(a,  i) { for (i = 1; i <= 3; i++) a[i] = $(i + 1) / 1073741824 }
+    function arc(v, w,  i, c, all, a, b, path, drawn) {
+        c = (vx[v] * vx[w] + vy[v] * vy[w] + vz[v] * vz[w]) / 1152921504606846976
+        all = c * c < 1 ? atan2(sqrt(1 - c * c), c) : 0
+        for (i = 0; i <= 60; i++) {
+            a = sin(all * (60 - i) / 60)
+            b = sin(all * i / 60)
+            put(vx[v] * a + vx[w] * b, vy[v] * a + vy[w] * b, vz[v] * a + vz[w] * b)
+            if (F > 0) { path = path sprintf("%s%.1f %.1f", drawn ? "L" : "M", X, Y); drawn = 1 } else drawn = 0
+        }
+        if (path != "") printf "<path class=\"edge\" d=\"%s\"/>\n", path
+    }
+    $1 == "ahead_q30" { axis(ahead) }
+    $1 == "right_q30" { axis(right) }
+    $1 == "up_q30" { axis(up) }
+    $1 == "half_angle_deg" { half = $2 * 0.017453292519943295 }
+    $1 == "support" { for (i = 2; i <= NF; i++) holds[$i] = 1 }
+    $1 == "vertex" { vx[$2] = $3; vy[$2] = $4; vz[$2] = $5 }
+    $1 == "edge" { from[edges] = $(NF - 1); to[edges++] = $NF }
+    $1 == "site" { x[sites] = $2; y[sites] = $3; z[sites++] = $4 }
+    END {
+        print "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 360 240\" width=\"360\" height=\"240\">"
+        print "<title>A farthest-point diagram: the centre of the smallest circle is on it</title>"
+        print "<style>.paper{fill:#fff}.sphere{fill:none;stroke:#999;stroke-width:.8}.edge{fill:none;stroke:#68a;stroke-width:1.2}.cone{fill:none;stroke:#c40;stroke-width:1.2}.point{fill:#456}.support,.middle{fill:#c40}</style>"
+        print "<rect class=\"paper\" width=\"360\" height=\"240\"/>\n<circle class=\"sphere\" cx=\"180\" cy=\"120\" r=\"100\"/>"
+        for (i = 0; i < edges; i++) arc(from[i], to[i])
+        printf "<circle class=\"cone\" cx=\"180\" cy=\"120\" r=\"%.1f\"/>\n<circle class=\"middle\" cx=\"180\" cy=\"120\" r=\"2\"/>\n", 100 * sin(half)
+        for (i = 0; i < sites; i++) { put(x[i], y[i], z[i]); printf "<circle class=\"%s\" cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>\n", i in holds ? "support" : "point", X, Y }
+        print "</svg>"
+    }' >"$out/voronoi.svg" || exit 1
+
 # From a place on the line through two corners of the house, and from one that is free of that.
 aim --viewpoint 21,17,14 --segments "$dir/house.edges" "$dir/house" | svg 'From the line through two corners one hides the other' >"$out/lineup.svg" || exit 1
 aim --viewpoint -3.13,20.54,27.55 --segments "$dir/house.edges" "$dir/house" | svg 'From a mount that the planner proposed' >"$out/apart.svg" || exit 1

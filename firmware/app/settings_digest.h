@@ -6,7 +6,7 @@
 #include "control/controller.h"
 
 /// CRC-32 over every value that is in force; arm_on_start, which a command decides, is left out.
-/// Shown: tests/unit/test_settings_digest.c (every single value counts).
+/// Shown: tests/unit/test_board_settings.c (every single value counts).
 uint32_t settings_digest(const struct controller_config *config);
 
 #endif

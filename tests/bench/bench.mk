@@ -1,4 +1,4 @@
-# Benchmarks: never part of `make check`, for machines are noisy.
+# Benchmarks: none of their figures is part of `make check`, for machines are noisy.
 bench_o := $(patsubst tests/bench/%,$(B)/gcc/tests/bench/%.o,$(basename $(wildcard tests/bench/*.c tests/bench/*.cpp)))
 $(B)/gcc/tests/bench/peers.o: tests/bench/peers.cpp
 	@mkdir -p $(@D)
@@ -9,6 +9,12 @@ $(B)/gcc/tests/bench/peers.o: tests/bench/peers.cpp
 $(B)/bench-cone: $(bench_o) $(B)/gcc/libfirmware.a
 	$(say) LD $@
 	g++ -o $@ $^ -lmpfr -lgmp -lm
+
+# Without the other programs, and fewer sets: `make check` sees that it runs (tests/gate/bench.sh).
+$(B)/bench-cone-alone: $(filter-out %/peers.o,$(bench_o)) $(B)/gcc/libfirmware.a
+	$(say) LD $@
+	gcc -o $@ $^ -lm
+$(B)/check/script/tests/gate/bench.log: $(B)/bench-cone-alone
 
 .PHONY: bench-cone
 bench-cone: ## Measure the narrowest cone and the hull beside a bare pass and other programs

@@ -1,85 +1,84 @@
-/// `make bench-cone`. Run twice: under callgrind, where only instructions are counted (`cone
-/// count`, each figure a dump of callgrind's), and then natively, with those counts (`cone table
-/// COUNTS`), where times and all else is measured and printed.
-#include "bench/methods.h"
-#include "bench/sets.h"
+/// `make bench-cone` (cone.sh). Under callgrind only instructions are counted: `cone count SIZE
+/// COUNTS PART PARTS`, each figure a dump of callgrind's. COUNTS holds those of smaller sizes,
+/// which tell what is worth a run. Then, natively, all else is measured, and everything printed:
+/// `cone table COUNTS SIZES SETS`. The benchmark fails if a method gives a wrong answer.
+#include "bench/table.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <valgrind/callgrind.h>
 
-#define SIZES 6
-/// Larger sets aren't counted under callgrind.
-#define COUNTED_SIZES 5
+#if __has_include(<valgrind/callgrind.h>)
+#include <valgrind/callgrind.h>
+#else
+#define CALLGRIND_START_INSTRUMENTATION
+#define CALLGRIND_STOP_INSTRUMENTATION
+#define CALLGRIND_ZERO_STATS
+#define CALLGRIND_TOGGLE_COLLECT
+#define CALLGRIND_DUMP_STATS_AT(name) ((void)(name))
+#endif
+
+/// Sets of a size at most: timed (chosen by the caller, up to), and under callgrind.
+#define TIMED_SETS   300U
+#define COUNTED_SETS 30U
+/// Of two answers to one question; a unit is 1.5 nrad.
+#define ALIKE_BAM 4
+
+uint32_t bench_sets = TIMED_SETS;
 
 static struct vec3 points[BENCH_MOST_POINTS];
-static double counts[BENCH_SETS][SIZES][BENCH_METHODS]; // instructions a point; 0: not counted
 
-static uint32_t size_of(enum bench_set set, int size) {
-    const uint32_t squares[SIZES] = {16, 100, 1024, 10000, 99856, 1000000};
-    const uint32_t tens[SIZES] = {10, 100, 1000, 10000, 100000, 1000000};
-    return set == BENCH_SURFACE ? squares[size] : tens[size];
+/// Different sets a size: at most so many, a million points in all, and as many as a method runs
+/// through in its limit of instructions.
+static uint32_t sets_of(int set, int size, int method, uint32_t most, double instructions_most) {
+    const uint32_t n = bench_size((enum bench_set)set, size);
+    const bool is_one = set == BENCH_SURFACE || set == BENCH_EXACT_CIRCLE;
+    const double counted = bench_table[set][size][method].of[BENCH_INSTRUCTIONS] * n;
+    const double each = counted > 0.0 ? counted : bench_expected(set, size, method);
+    double sets = fmin(is_one ? 1U : most, BENCH_MOST_POINTS / n);
+    sets = each > 0.0 ? fmin(sets, instructions_most / each) : sets;
+    return sets < 1.0 ? 1U : (uint32_t)sets;
 }
 
-/// Different sets a size: a million points in all at most.
-static uint32_t trials_of(enum bench_set set, uint32_t n) {
-    const uint32_t most = BENCH_MOST_POINTS / n;
-    return set == BENCH_SURFACE ? 1U : most > 300U ? 300U : most;
-}
-
-static uint32_t trials_by(const struct bench_method *method, uint32_t trials) {
-    return method->most_trials != 0U && method->most_trials < trials ? method->most_trials : trials;
-}
-
-static bool is_run(const struct bench_method *method, enum bench_set set, uint32_t n) {
-    const bool on_hull = set == BENCH_CIRCLE || set == BENCH_HALF_CIRCLE ||
-                         set == BENCH_EXACT_CIRCLE || set == BENCH_SPIRAL; // its last turn
-    return (method->most_points == 0U || n <= method->most_points) &&
-           !(on_hull && method->most_on_hull != 0U && n > method->most_on_hull) &&
-           !(method->needs_feasible && set == BENCH_SPHERE);
-}
-
-static void fill(enum bench_set set, uint32_t n, uint32_t trials) {
-    for (uint32_t t = 0; t < trials; t++) {
-        bench_fill(set, n, t, points + (size_t)t * n);
+static void fill(int set, uint32_t n, uint32_t sets) {
+    for (uint32_t t = 0; t < sets; t++) {
+        bench_fill((enum bench_set)set, n, t, points + (size_t)t * n);
     }
 }
 
 // ---------------------------------------------------------------- instructions
 
-static void count(int set, int size, int m, uint32_t trials) {
+static void count(int set, int size, int m) {
     const struct bench_method *const method = &bench_methods[m];
-    const uint32_t n = size_of((enum bench_set)set, size);
+    const uint32_t n = bench_size((enum bench_set)set, size);
+    const uint32_t sets = sets_of(set, size, m, COUNTED_SETS, BENCH_COUNT_MOST / 4.0);
     char name[64];
+    CALLGRIND_START_INSTRUMENTATION;
     CALLGRIND_ZERO_STATS;
-    for (uint32_t t = 0; t < trials; t++) {
-        const struct vec3 *const of_trial = points + (size_t)t * n;
+    for (uint32_t t = 0; t < sets; t++) {
+        const struct vec3 *const of_set = points + (size_t)t * n;
         struct bench_run run = {0};
         if (method->prepare != NULL) {
-            method->prepare(of_trial, n);
+            method->prepare(of_set, n);
         }
         CALLGRIND_TOGGLE_COLLECT;
-        method->run(of_trial, n, &run);
+        method->run(of_set, n, &run);
         CALLGRIND_TOGGLE_COLLECT;
     }
-    snprintf(name, sizeof name, "count %d %d %d %u", set, size, m, trials * n);
+    snprintf(name, sizeof name, "count %d %d %d %u", set, size, m, sets * n);
     CALLGRIND_DUMP_STATS_AT(name);
+    CALLGRIND_STOP_INSTRUMENTATION;
 }
 
-static void count_all(void) {
-    for (int set = 0; set < BENCH_SETS; set++) {
-        for (int size = 0; size < COUNTED_SIZES; size++) {
-            const uint32_t n = size_of((enum bench_set)set, size);
-            uint32_t trials = trials_of((enum bench_set)set, n);
-            trials = n > 10000U ? 1U : n > 1000U ? 3U : trials > 30U ? 30U : trials;
-            fill((enum bench_set)set, n, trials);
-            for (int m = 0; m < BENCH_METHODS; m++) {
-                if (is_run(&bench_methods[m], (enum bench_set)set, n)) {
-                    count(set, size, m, trials_by(&bench_methods[m], trials));
-                }
+static void count_all(int size, int part, int parts) {
+    for (int set = part; set < BENCH_SETS; set += parts) {
+        fill(set, bench_size((enum bench_set)set, size),
+             sets_of(set, size, BENCH_BARE, COUNTED_SETS, INFINITY));
+        for (int m = 0; m < BENCH_METHODS; m++) {
+            if (bench_is_run(set, size, m) && bench_expected(set, size, m) <= BENCH_COUNT_MOST) {
+                count(set, size, m);
             }
         }
     }
@@ -90,24 +89,71 @@ static bool read_counts(const char *path) {
     FILE *const file = fopen(path, "r");
     int set, size, m;
     double of_points, instructions;
+    for (set = 0; set < BENCH_SETS; set++) {
+        for (size = 0; size < BENCH_SIZES; size++) {
+            for (m = 0; m < BENCH_METHODS; m++) {
+                for (int c = 0; c < BENCH_COLUMNS; c++) {
+                    bench_table[set][size][m].of[c] = NAN;
+                }
+            }
+        }
+    }
     if (file == NULL) {
         return false;
     }
     while (fscanf(file, "%d %d %d %lf %lf", &set, &size, &m, &of_points, &instructions) == 5) {
-        counts[set][size][m] = instructions / of_points;
+        bench_table[set][size][m].of[BENCH_INSTRUCTIONS] = instructions / of_points;
     }
     fclose(file);
     return true;
 }
 
-// ---------------------------------------------------------------- one set and size
+// ---------------------------------------------------------------- how much wider
 
-struct figures {
-    double reads, ns, iterations, scratch; // means; reads and nanoseconds a point
-    double h, h2, h_log_h;                 // moments of the hull's size
-    double two;                            // share with a support of two
-    double faces;                          // tested a point
-};
+static double dot(const double a[3], struct vec3 b) {
+    return a[0] * b.x + a[1] * b.y + a[2] * b.z;
+}
+
+static double largest_angle(const struct vec3 *set, uint32_t n, struct vec3 axis_q30) {
+    const double axis[3] = {axis_q30.x, axis_q30.y, axis_q30.z}, length = sqrt(dot(axis, axis_q30));
+    double least = 1.0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double p[3] = {set[i].x, set[i].y, set[i].z};
+        least = fmin(least, dot(axis, set[i]) / length / sqrt(dot(p, set[i])));
+    }
+    return acos(fmax(least, -1.0));
+}
+
+/// Than the narrowest cone, percent of its half-angle.
+static double wider(const struct vec3 *set, uint32_t n, struct vec3 axis_q30) {
+    struct bench_run best = {0};
+    bench_methods[BENCH_PIVOT].prepare(set, n);
+    bench_methods[BENCH_PIVOT].run(set, n, &best);
+    return 100.0 * (largest_angle(set, n, axis_q30) / largest_angle(set, n, best.axis_q30) - 1.0);
+}
+
+/// A benchmark of wrong answers would be worth nothing.
+static void check_answer(int set, uint32_t n, uint32_t t, int m, const struct bench_run *run) {
+    static uint64_t of_pivot[TIMED_SETS];
+    if (m == BENCH_PIVOT) {
+        of_pivot[t] = run->half_angle_bam32;
+    }
+    const int64_t off = (int64_t)run->half_angle_bam32 - (int64_t)of_pivot[t];
+    const bool sees_none = set == BENCH_SPHERE && n >= 1000U; // of ten points one in eleven does
+    if ((set != BENCH_SPHERE || sees_none) && run->infeasible != sees_none && m != BENCH_BARE &&
+        m != BENCH_CGAL_SPHERE) {
+        printf("FAIL %s, n = %u: %s is wrong on what is feasible\n", bench_set_names[set], n,
+               bench_methods[m].name);
+        exit(1);
+    }
+    if (run->half_angle_bam32 != 0U && llabs(off) > ALIKE_BAM) {
+        printf("FAIL %s, n = %u: %s is off by %lld BAM\n", bench_set_names[set], n,
+               bench_methods[m].name, (long long)off);
+        exit(1);
+    }
+}
+
+// ---------------------------------------------------------------- one method, set and size
 
 static double now_ns(void) {
     struct timespec t;
@@ -115,286 +161,120 @@ static double now_ns(void) {
     return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
 }
 
-/// Runs a method over all trials; of several rounds the fastest counts.
-static struct figures measure(const struct bench_method *method, uint32_t n, uint32_t trials) {
-    struct figures sum = {0};
-    const int rounds = n <= 10000U ? 5 : 2;
-    for (uint32_t t = 0; t < trials; t++) {
-        const struct vec3 *const of_trial = points + (size_t)t * n;
+/// Adds to a mean that is NAN as long as there is no such figure.
+static void add(double *mean, double figure, uint32_t sets) {
+    *mean = (isnan(*mean) ? 0.0 : *mean) + figure / sets;
+}
+
+static void add_known(double *mean, double figure, uint32_t sets) {
+    if (figure > 0.0) {
+        add(mean, figure, sets);
+    }
+}
+
+/// Runs a method over all sets; of several rounds the fastest counts.
+static void measure(int set, int size, int m) {
+    const struct bench_method *const method = &bench_methods[m];
+    struct bench_figures *const f = &bench_table[set][size][m];
+    const uint32_t n = bench_size((enum bench_set)set, size);
+    const int rounds = n <= 1000U ? 5 : 2;
+    const uint32_t sets = sets_of(set, size, m, bench_sets, BENCH_RUN_MOST / rounds);
+    f->is_run = true;
+    for (uint32_t t = 0; t < sets; t++) {
+        const struct vec3 *const of_set = points + (size_t)t * n;
         struct bench_run run = {0};
         double fastest = INFINITY;
+        if (method->prepare != NULL) {
+            method->prepare(of_set, n);
+        }
         for (int round = 0; round < rounds; round++) {
             run = (struct bench_run){0};
-            if (method->prepare != NULL && round == 0) {
-                method->prepare(of_trial, n);
-            }
             const double start = now_ns();
-            method->run(of_trial, n, &run);
-            const double ns = now_ns() - start;
-            fastest = ns < fastest ? ns : fastest;
+            method->run(of_set, n, &run);
+            fastest = fmin(fastest, now_ns() - start);
         }
-        const double h = run.hull_size;
-        sum.reads += (double)run.point_reads / n / trials;
-        sum.ns += fastest / n / trials;
-        sum.iterations += (double)run.iterations / trials;
-        sum.faces += (double)run.face_tests / n / trials;
-        sum.scratch += (double)run.scratch_bytes / trials;
-        sum.h += h / trials;
-        sum.h2 += h * h / trials;
-        sum.h_log_h += h > 0.0 ? h * log(h) / trials : 0.0;
-        sum.two += (run.support_count == 2U ? 1.0 : 0.0) / trials;
+        check_answer(set, n, t, m, &run);
+        add(&f->of[BENCH_NS], fastest / n, sets);
+        add_known(&f->of[BENCH_READS], (double)run.point_reads / n, sets);
+        add_known(&f->of[BENCH_SCRATCH], (double)run.scratch_bytes, sets);
+        add_known(&f->of[BENCH_ROUNDS], run.iterations, sets);
+        add_known(&f->of[BENCH_FACES], run.faces, sets);
+        add_known(&f->of[BENCH_FACE_TESTS], (double)run.face_tests / n, sets);
+        if (run.support_count != 0U && set != BENCH_SPHERE) {
+            add(&f->of[BENCH_BY_TWO], run.support_count == 2U ? 100.0 : 0.0, sets);
+        }
+        if (method->is_other_axis && set != BENCH_SPHERE) {
+            const double percent = wider(of_set, n, run.axis_q30);
+            add(&f->of[BENCH_WIDER], percent, sets);
+            f->of[BENCH_WIDER_MOST] = fmax(f->of[BENCH_WIDER_MOST], percent);
+        }
     }
-    return sum;
 }
 
-// ---------------------------------------------------------------- aiming without us
+// ---------------------------------------------------------------- the size of the hull
 
-static double largest_angle(const struct vec3 *set, uint32_t n, const double axis[3]) {
-    const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
-    double least = 1.0;
-    for (uint32_t i = 0; i < n; i++) {
-        const double dot =
-            (axis[0] * set[i].x + axis[1] * set[i].y + axis[2] * set[i].z) / length * 0x1p-30;
-        least = dot < least ? dot : least;
-    }
-    return acos(least < -1.0 ? -1.0 : least) * (180.0 / M_PI);
+uint32_t bench_hull_sets(uint32_t n) {
+    const uint32_t most = bench_sets < TIMED_SETS ? bench_sets : 1000U;
+    return n <= 10000U ? most : n <= 100000U ? 100U : 30U;
 }
 
-/// How much wider than the narrowest cone, in percent of its half-angle: mean and worst.
-struct loss {
-    double centroid, centroid_worst, box, box_worst;
-};
-
-static struct loss losses(uint32_t n, uint32_t trials) {
-    struct loss loss = {0};
-    for (uint32_t t = 0; t < trials; t++) {
-        const struct vec3 *const set = points + (size_t)t * n;
-        double centroid[3] = {0}, low[3], high[3], box[3], best[3];
-        for (uint32_t i = 0; i < n; i++) {
-            const double p[3] = {set[i].x, set[i].y, set[i].z};
-            for (int k = 0; k < 3; k++) {
-                centroid[k] += p[k] * 0x1p-30;
-                low[k] = i == 0 || p[k] < low[k] ? p[k] : low[k];
-                high[k] = i == 0 || p[k] > high[k] ? p[k] : high[k];
-            }
-        }
-        for (int k = 0; k < 3; k++) {
-            box[k] = (low[k] + high[k]) * 0x1p-31;
-        }
+/// More sets than are timed: a variance takes many.
+static void measure_hulls(int set, int size) {
+    double *const of = bench_table[set][size][BENCH_HULL].of;
+    const uint32_t n = bench_size((enum bench_set)set, size);
+    const uint32_t sets =
+        set == BENCH_SURFACE || set == BENCH_EXACT_CIRCLE ? 1U : bench_hull_sets(n);
+    double sum = 0.0, squares = 0.0, logs = 0.0;
+    for (uint32_t t = 0; t < sets; t++) {
         struct bench_run run = {0};
-        bench_methods[BENCH_PIVOT].run(set, n, &run);
-        best[0] = run.axis_q30.x;
-        best[1] = run.axis_q30.y;
-        best[2] = run.axis_q30.z;
-        const double optimum = largest_angle(set, n, best);
-        const double by_centroid = (largest_angle(set, n, centroid) / optimum - 1.0) * 100.0;
-        const double by_box = (largest_angle(set, n, box) / optimum - 1.0) * 100.0;
-        loss.centroid += by_centroid / trials;
-        loss.centroid_worst = fmax(loss.centroid_worst, by_centroid);
-        loss.box += by_box / trials;
-        loss.box_worst = fmax(loss.box_worst, by_box);
+        bench_fill((enum bench_set)set, n, t, points);
+        bench_methods[BENCH_HULL].run(points, n, &run);
+        const double h = run.hull_size;
+        sum += h;
+        squares += h * h;
+        logs += h * log(h);
     }
-    return loss;
+    of[BENCH_H] = sum / sets;
+    of[BENCH_H_SQUARE] = squares / sets;
+    of[BENCH_H_LOG] = logs / sets;
+    of[BENCH_H_VARIANCE] = sets == 1U ? NAN : (squares - sum * sum / sets) / (sets - 1.0);
 }
 
-// ---------------------------------------------------------------- the table
-
-static struct figures figures[BENCH_SETS][SIZES][BENCH_METHODS];
-static struct loss aims[BENCH_SETS][SIZES];
-
-static void measure_all(void) {
+static void measure_all(int sizes) {
     for (int set = 0; set < BENCH_SETS; set++) {
-        for (int size = 0; size < SIZES; size++) {
-            const uint32_t n = size_of((enum bench_set)set, size);
-            const uint32_t trials = trials_of((enum bench_set)set, n);
-            fill((enum bench_set)set, n, trials);
+        for (int size = 0; size < sizes; size++) {
+            const uint32_t n = bench_size((enum bench_set)set, size);
+            fill(set, n, sets_of(set, size, BENCH_BARE, bench_sets, INFINITY));
             for (int m = 0; m < BENCH_METHODS; m++) {
-                if (is_run(&bench_methods[m], (enum bench_set)set, n)) {
-                    figures[set][size][m] =
-                        measure(&bench_methods[m], n, trials_by(&bench_methods[m], trials));
+                if (bench_is_run(set, size, m)) {
+                    measure(set, size, m);
                 }
             }
             if (set != BENCH_SPHERE) {
-                aims[set][size] = losses(n, trials);
+                measure_hulls(set, size);
             }
         }
-    }
-}
-
-static void print_figure(double value, const char *format, int width) {
-    char text[32];
-    snprintf(text, sizeof text, format, value);
-    printf(" %*s", width, value > 0.0 ? text : "-");
-}
-
-static void print_cones(void) {
-    printf("The narrowest cone. Reads, instructions (x86-64, -O2) and nanoseconds are a point; "
-           "'/bare' is beside one "
-           "pass of dot\nproducts over the same points; aims are the mean and worst widening "
-           "beyond the narrowest "
-           "cone, percent.\n\n"
-           "%-17s %8s |%7s%7s |%8s%7s%7s%8s%7s |%8s%7s%7s%8s%8s |%9s %5s %6s |%15s%15s\n",
-           "set", "n", "reads", "warm", "instr.", "bare", "/bare", "CGAL", "/CGAL", "ns", "bare",
-           "/bare", "CGAL", "/CGAL", "scratch", "two", "EH it.", "centroid aim", "box-centre aim");
-    for (int set = 0; set < BENCH_SETS; set++) {
-        for (int size = 0; size < SIZES; size++) {
-            const struct figures *const f = figures[set][size];
-            const double *const c = counts[set][size];
-            const struct loss *const aim = &aims[set][size];
-            printf("%-17s %8u |", bench_set_names[set], size_of((enum bench_set)set, size));
-            print_figure(f[BENCH_PIVOT].reads, "%.3f", 6);
-            print_figure(f[BENCH_PIVOT_WARM].reads, "%.3f", 6);
-            printf(" |");
-            print_figure(c[BENCH_PIVOT], "%.1f", 7);
-            print_figure(c[BENCH_BARE], "%.1f", 6);
-            print_figure(c[BENCH_PIVOT] / c[BENCH_BARE], "%.2f", 6);
-            print_figure(c[BENCH_CGAL_SPHERE], "%.0f", 7);
-            print_figure(c[BENCH_CGAL_SPHERE] / c[BENCH_PIVOT], "%.1f", 6);
-            printf(" |");
-            print_figure(f[BENCH_PIVOT].ns, "%.2f", 7);
-            print_figure(f[BENCH_BARE].ns, "%.2f", 6);
-            print_figure(f[BENCH_PIVOT].ns / f[BENCH_BARE].ns, "%.2f", 6);
-            print_figure(f[BENCH_CGAL_SPHERE].ns, "%.1f", 7);
-            print_figure(f[BENCH_CGAL_SPHERE].ns / f[BENCH_PIVOT].ns, "%.1f", 7);
-            printf(" |");
-            print_figure(f[BENCH_PIVOT].scratch, "%.0f", 8);
-            print_figure(100.0 * f[BENCH_PIVOT].two, "%.0f%%", 5);
-            print_figure(f[BENCH_GROWING].iterations, "%.1f", 6);
-            printf(" |");
-            print_figure(aim->centroid, "%.1f", 7);
-            print_figure(aim->centroid_worst, "%.1f", 6);
-            print_figure(aim->box, "%.1f", 7);
-            print_figure(aim->box_worst, "%.1f", 6);
-            printf("\n");
-        }
-        printf("\n");
-    }
-}
-
-/// Exponent of n in the instructions of a method, by least squares over the three largest counted
-/// sizes; NAN if there are fewer.
-static double growth(int set, int m) {
-    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-    int sizes = 0;
-    for (int size = COUNTED_SIZES - 1; size >= 0 && sizes < 3; size--) {
-        if (counts[set][size][m] > 0.0) {
-            const double n = size_of((enum bench_set)set, size);
-            const double x = log(n), y = log(counts[set][size][m] * n);
-            sx += x;
-            sy += y;
-            sxx += x * x;
-            sxy += x * y;
-            sizes++;
-        }
-    }
-    return sizes < 3 ? NAN : (3.0 * sxy - sx * sy) / (3.0 * sxx - sx * sx);
-}
-
-static void print_methods(void) {
-    printf("All methods: instructions a point; growth is the exponent of n in all instructions, "
-           "over the three "
-           "largest sizes;\nrounds, of loops that read all that is left, and faces tested a point, "
-           "are at the "
-           "largest size. '-': not run, or none.\n\n"
-           "%-17s %-15s |%9s%9s%9s%9s%9s |%8s%9s%7s\n",
-           "set", "method", "10", "100", "1000", "10000", "100000", "growth", "rounds", "faces");
-    for (int set = 0; set < BENCH_SETS; set++) {
-        for (int m = 0; m < BENCH_METHODS; m++) {
-            if (!is_run(&bench_methods[m], (enum bench_set)set, 1)) {
-                continue;
-            }
-            printf("%-17s %-15s |", bench_set_names[set], bench_methods[m].name);
-            double rounds = 0.0, faces = 0.0;
-            for (int size = 0; size < COUNTED_SIZES; size++) {
-                print_figure(counts[set][size][m], counts[set][size][m] < 100.0 ? "%.1f" : "%.0f",
-                             8);
-                rounds = fmax(rounds, figures[set][size][m].iterations);
-                if (figures[set][size][m].faces > 0.0) {
-                    faces = figures[set][size][m].faces;
-                }
-            }
-            const double exponent = growth(set, m);
-            printf(" |");
-            print_figure(isnan(exponent) ? 0.0 : exponent, "%.2f", 7);
-            print_figure(rounds, "%.1f", 8);
-            print_figure(faces, "%.1f", 6);
-            printf("\n");
-        }
-        printf("\n");
-    }
-}
-
-/// Exponent of n in a moment of the hull's size, over 1,000 to 100,000 points.
-static double moment_growth(int set, double (*moment)(const struct figures *)) {
-    const double low = moment(&figures[set][2][BENCH_HULL]);
-    const double high = moment(&figures[set][4][BENCH_HULL]);
-    return log(high / low) /
-           log((double)size_of((enum bench_set)set, 4) / size_of((enum bench_set)set, 2));
-}
-
-static double mean_of(const struct figures *f) {
-    return f->h;
-}
-static double square_of(const struct figures *f) {
-    return f->h2;
-}
-static double h_log_h_of(const struct figures *f) {
-    return f->h_log_h;
-}
-static double variance_of(const struct figures *f) {
-    return f->h2 - f->h * f->h;
-}
-
-static void print_hulls(void) {
-    printf("The hull: moments of its size h, which decide what algorithms B and C cost (Anderson "
-           "1985, equations 12 "
-           "to 17).\n(12) E[h] = O(n^p), p < 1; (13) E[h log h] = O(n^q), q < 1; (14) p = 1/3 for "
-           "a uniform disc; "
-           "(15) E[h] = O(log^1/2 n)\nfor a planar normal; (16) E[h^2] = Var(h) + E[h]^2; (17) p "
-           "<= 1/2. Growth: "
-           "exponents of n from 1,000 to 100,000.\n\n"
-           "%-17s %8s %6s |%9s%10s%12s%12s%9s |%9s%9s%9s%9s%7s\n",
-           "set", "n", "sets", "E[h]", "Var(h)", "E[h^2]", "E[h log h]", "Var/E[h]", "ns/point",
-           "buckets", "sorted", "CGAL", "/CGAL");
-    for (int set = 0; set < BENCH_SPHERE; set++) {
-        for (int size = 0; size < SIZES; size++) {
-            const uint32_t n = size_of((enum bench_set)set, size);
-            const struct figures *const f = &figures[set][size][BENCH_HULL];
-            printf("%-17s %8u %6u |", bench_set_names[set], n, trials_of((enum bench_set)set, n));
-            print_figure(f->h, "%.2f", 8);
-            print_figure(variance_of(f), "%.3f", 9);
-            print_figure(f->h2, "%.0f", 11);
-            print_figure(f->h_log_h, "%.1f", 11);
-            print_figure(variance_of(f) / f->h, "%.2f", 8);
-            printf(" |");
-            print_figure(f->ns, "%.1f", 8);
-            print_figure(figures[set][size][BENCH_HULL_BUCKETS].ns, "%.1f", 8);
-            print_figure(figures[set][size][BENCH_HULL_SORTED].ns, "%.1f", 8);
-            print_figure(figures[set][size][BENCH_CGAL_HULL].ns, "%.1f", 8);
-            print_figure(f->ns / figures[set][size][BENCH_CGAL_HULL].ns, "%.2f", 6);
-            printf("\n");
-        }
-        printf("%-33s |", "  growth");
-        print_figure(moment_growth(set, mean_of), "%.3f", 8);
-        print_figure(moment_growth(set, variance_of), "%.3f", 9);
-        print_figure(moment_growth(set, square_of), "%.3f", 11);
-        print_figure(moment_growth(set, h_log_h_of), "%.3f", 11);
-        printf("\n\n");
     }
 }
 
 int main(int argc, char **argv) {
-    if (argc == 2 && strcmp(argv[1], "count") == 0) {
-        count_all();
+    if (argc == 6 && strcmp(argv[1], "count") == 0 && read_counts(argv[3])) {
+        count_all(atoi(argv[2]), atoi(argv[4]), atoi(argv[5]));
         return 0;
     }
-    if (argc != 3 || strcmp(argv[1], "table") != 0 || !read_counts(argv[2])) {
-        fprintf(stderr, "usage: %s count | table COUNTS\n", argv[0]);
+    if (argc != 5 || strcmp(argv[1], "table") != 0 || !read_counts(argv[2])) {
+        fprintf(stderr, "usage: %s count SIZE COUNTS PART PARTS | table COUNTS SIZES SETS\n",
+                argv[0]);
         return 2;
     }
-    measure_all();
-    print_cones();
-    print_methods();
-    print_hulls();
+    const int sizes = atoi(argv[3]);
+    bench_sets = (uint32_t)atoi(argv[4]);
+    if (sizes < 1 || sizes > BENCH_SIZES || bench_sets < 1U || bench_sets > TIMED_SETS) {
+        return 2;
+    }
+    measure_all(sizes);
+    bench_print_table(sizes);
+    bench_print_equations(sizes);
+    bench_print_reach(sizes);
     return 0;
 }

@@ -14,9 +14,11 @@
 struct bench_run {
     uint64_t point_reads;
     uint64_t scratch_bytes;
-    uint32_t hull_size;  ///< extreme directions
-    uint64_t face_tests; ///< of the pyramid
-    uint32_t iterations; ///< of a loop whose every round reads all that is left
+    uint32_t hull_size;        ///< extreme directions
+    uint32_t faces;            ///< most that the pyramid had
+    uint64_t face_tests;       ///< of the pyramid
+    uint32_t iterations;       ///< of a loop whose every round reads all that is left
+    uint64_t half_angle_bam32; ///< of a cone that claims to be the narrowest
     uint8_t support_count;
     struct vec3 axis_q30;
     bool infeasible;
@@ -27,15 +29,12 @@ struct bench_method {
     /// Work that isn't the method's own, such as another program's format; not measured. May be
     /// NULL.
     void (*prepare)(const struct vec3 *points, uint32_t count);
+    /// NULL: not built.
     void (*run)(const struct vec3 *points, uint32_t count, struct bench_run *run);
-    /// The largest sets worth a run, for methods of higher order; 0: all.
-    uint32_t most_points;
-    /// The same for sets whose points are all on the hull.
-    uint32_t most_on_hull;
-    /// At most so many sets a size, for slow methods; 0: all.
-    uint32_t most_trials;
     /// Only feasible sets.
     bool needs_feasible;
+    /// Its axis need not be that of the narrowest cone.
+    bool is_other_axis;
 };
 
 enum {
@@ -43,14 +42,16 @@ enum {
     BENCH_PIVOT,
     BENCH_PIVOT_WARM,
     BENCH_GROWING,
-    BENCH_HULL,
-    BENCH_HULL_BUCKETS,
-    BENCH_HULL_SORTED,
+    BENCH_C,
     BENCH_A,
     BENCH_A_MERGE,
     BENCH_B,
-    BENCH_C,
     BENCH_PYRAMID,
+    BENCH_HULL,
+    BENCH_HULL_BUCKETS,
+    BENCH_HULL_SORTED,
+    BENCH_CENTROID,
+    BENCH_BOX,
     BENCH_CGAL_SPHERE,
     BENCH_CGAL_HULL,
     BENCH_METHODS
@@ -58,7 +59,11 @@ enum {
 
 extern const struct bench_method bench_methods[BENCH_METHODS];
 
-// peers.cpp: CGAL, from a distribution package.
+// peers.cpp: CGAL, from a distribution package. Weak: `make check` builds the benchmark without.
+#pragma weak peer_sphere_prepare
+#pragma weak peer_sphere_run
+#pragma weak peer_hull_prepare
+#pragma weak peer_hull_run
 void peer_sphere_prepare(const struct vec3 *points, uint32_t count);
 void peer_sphere_run(const struct vec3 *points, uint32_t count, struct bench_run *run);
 void peer_hull_prepare(const struct vec3 *points, uint32_t count);

@@ -28,14 +28,18 @@ std::vector<Plane_kernel::Point_2> hull;
 double q30(int32_t a) {
     return a * 0x1p-30;
 }
+
+Sphere_kernel::Point_3 unit(struct vec3 p) {
+    const double x = p.x, y = p.y, z = p.z, length = std::sqrt(x * x + y * y + z * z);
+    return {x / length, y / length, z / length};
+}
 } // namespace
 
 // The least sphere of the unit vectors is centred on the cone's axis.
 extern "C" void peer_sphere_prepare(const struct vec3 *points, uint32_t count) {
     spheres.clear();
     for (uint32_t i = 0; i < count; i++) {
-        spheres.emplace_back(
-            Sphere_kernel::Point_3(q30(points[i].x), q30(points[i].y), q30(points[i].z)), 0.0);
+        spheres.emplace_back(unit(points[i]), 0.0);
     }
 }
 
@@ -52,6 +56,7 @@ extern "C" void peer_sphere_run(const struct vec3 *, uint32_t, struct bench_run 
 // On the gnomonic plane about the axis, great circles are lines, and the hull is the plane's.
 extern "C" void peer_hull_prepare(const struct vec3 *points, uint32_t count) {
     struct bench_run run = {};
+    bench_methods[BENCH_PIVOT].prepare(points, count);
     bench_methods[BENCH_PIVOT].run(points, count, &run);
     const double ax = q30(run.axis_q30.x), ay = q30(run.axis_q30.y), az = q30(run.axis_q30.z);
     // Two directions across the axis.

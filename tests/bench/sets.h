@@ -21,9 +21,9 @@ enum bench_set {
     BENCH_CIRCLE,
     /// The same on half of it, in order: what algorithm C shrinks slowest on.
     BENCH_HALF_CIRCLE,
-    /// All exactly on one circle, evenly and in order: Pythagorean triples (a, b, c) with a^2 + b^2
-    /// =
-    /// c^2, of any length. Each circle that algorithm C tries drops two points: n / 2 of them.
+    /// All exactly on one circle, evenly and in order: Pythagorean triples (a, b, c) with
+    /// a^2 + b^2 = c^2, of any length. Each circle that algorithm C tries drops two points: n / 2
+    /// of them. What takes unit vectors gets them rounded, and no longer quite on a circle.
     BENCH_EXACT_CIRCLE,
     /// Uniform on a cap of 89.9 degrees.
     BENCH_NEAR_HEMISPHERE,

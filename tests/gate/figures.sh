@@ -3,7 +3,7 @@
 . tests/gate/verdict.sh
 dir=$(mktemp -d)
 same() { # FOLDER
-    for figure in cone box rect rails lineup apart gap sphere-points sphere-circles sphere-near; do
+    for figure in cone box rect rails voronoi lineup apart gap sphere-points sphere-circles sphere-near; do
         [ -s "$1/$figure.svg" ] && grep -q '</svg>' "$1/$figure.svg" && cmp -s "$1/$figure.svg" "docs/pictures/$figure.svg" || return 1
     done
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Layout and length of every C file, what headers state, and violations planted to see that the gate catches them.
+# Layout and length of every C file, what headers state and name, and violations planted to see that the gate catches them.
 . tests/gate/verdict.sh
 files=$(git ls-files --cached --others --exclude-standard '*.c' '*.h')
 # The exit status of clang-format 14 tells; what is off is shown by its first lines.
@@ -11,6 +11,8 @@ awk -f tests/gate/check/lengths.awk $(printf '%s\n' $files | grep -v '^tests/vec
 verdict 'length of files, functions and lines' $?
 awk -f tests/gate/check/headers.awk firmware/sphere/*.h firmware/aim/*.h
 verdict 'the functions of sphere/ and aim/ state cost, accuracy and source' $?
+sh tests/gate/check/names.sh $(git ls-files --cached --others --exclude-standard '*.md' '*.h' '*.c' | grep -v '^tests/vectors/')
+verdict 'the tests that comments and pages name exist' $?
 
 dir=$(mktemp -d)
 cp .clang-format "$dir"
@@ -26,5 +28,8 @@ caught 'a long file' $?
 printf '/// Turns. Cost: none. Source: none.\nint turn(int a,\n         int b);\n' >"$dir/x.h"
 awk -f tests/gate/check/headers.awk "$dir/x.h" >/dev/null
 caught 'a function that does not state its accuracy' $?
+echo 'Shown: tests/unit/test_hull.c, tests/unit/test_planted.c.' >"$dir/x.h"
+sh tests/gate/check/names.sh "$dir/x.h" >/dev/null
+caught 'a test that does not exist' $?
 rm -r "$dir"
 exit $status
