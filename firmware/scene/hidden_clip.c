@@ -62,6 +62,7 @@ static void draw_object(struct hidden *h, uint32_t object, const struct hidden_w
         for (uint32_t k = 0; k < count && !span_list_is_full(&h->spans); k++) {
             if (hidden_windows_meet(&window, &h->objects[h->near[k]].window)) {
                 (void)hidden_add_shadow(h, h->near[k], edge);
+                h->shadow_tests++;
             }
         }
         hidden_end_edge(h, object, e, sink);
@@ -69,6 +70,7 @@ static void draw_object(struct hidden *h, uint32_t object, const struct hidden_w
 }
 
 void hidden_clip(struct hidden *hidden, const struct hidden_sink *sink) {
+    hidden->shadow_tests = 0;
     for (uint32_t i = 0; i < hidden->set->object_count; i++) {
         if (hidden->objects[i].seen) {
             draw_object(hidden, i, &hidden->border, sink);

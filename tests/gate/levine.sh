@@ -33,7 +33,7 @@ pictures() {
     done
 }
 for part in hull sphere trials dimensions hidden large retrieval; do
-    build/bench-levine $part few >>"$dir/few" || echo "@table of a run that failed"
+    build/bench-levine $part few >>"$dir/few" || echo "| $part failed |" >>"$dir/few"
 done
 build/bench-levine sweep >"$dir/sweep"
 rows docs/levine.md

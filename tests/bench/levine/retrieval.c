@@ -68,7 +68,8 @@ static void look_around(const char *name, struct blocks *blocks, struct regions 
                 sum.objects += c.objects;
                 sum.size += c.size;
             }
-            printf("| %s | %s | %s |", name, looks[k].name, tree_names[tree]);
+            printf("| %s | %s | %s | %u |", looks[k].name, tree_names[tree], name,
+                   regions->set->object_count);
             levine_cell(sum.tested * share);
             levine_cell(sum.distances * share);
             levine_cell(sum.size * share);
