@@ -1,71 +1,68 @@
 #include "camera_feed.h"
 
-#include <sched.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
-#define OPEN_EVERY_NS 500000000L
+#define OPEN_EVERY_US 500000U
 
 // ---------------------------------------------------------------- opening
 
+static enum hal_status open_device(struct camera_feed *feed) {
+    struct stage_camera *stage = feed->settings.stage;
+    if (stage != NULL) {
+        const enum hal_status status = stage_camera_open(stage);
+        feed->hal = &stage->camera.hal;
+        feed->path = stage->address.path;
+        return status;
+    }
+    const enum hal_status status =
+        linux_camera_open(&feed->camera, feed->settings.device, feed->settings.clock);
+    feed->hal = &feed->camera.hal;
+    feed->path = feed->camera.path;
+    return status;
+}
+
+static void close_device(struct camera_feed *feed) {
+    if (feed->settings.stage == NULL && feed->settings.device != NULL) {
+        linux_camera_close(&feed->camera);
+    }
+}
+
+static const char *error_line(const struct camera_feed *feed) {
+    return feed->settings.stage != NULL ? feed->settings.stage->error.line
+                                        : feed->camera.error.line;
+}
+
 static enum hal_status open_and_start(struct camera_feed *feed) {
-    struct linux_camera *camera = &feed->camera;
-    struct hal_camera_format format = feed->settings.wish;
-    enum hal_status status = linux_camera_open(camera, feed->settings.device, feed->settings.clock);
-    status = status == HAL_OK ? hal_camera_negotiate(&camera->hal, &format) : status;
-    status = status == HAL_OK ? hal_camera_start(&camera->hal) : status;
+    feed->format = feed->settings.wish;
+    enum hal_status status = open_device(feed);
+    status = status == HAL_OK ? hal_camera_negotiate(feed->hal, &feed->format) : status;
+    status = status == HAL_OK ? hal_camera_start(feed->hal) : status;
     if (status != HAL_OK) {
-        linux_camera_close(camera);
+        close_device(feed);
     }
     return status;
 }
 
-/// The thread: from when the camera was lost until it is there again.
-static void *reopen(void *context) {
+/// In the background: lets go of what was there and, unless it is over, gets it again.
+static void attempt(void *context) {
     struct camera_feed *const feed = context;
-    linux_camera_close(&feed->camera);
-    while (!atomic_load(&feed->ending)) {
-        if (open_and_start(feed) == HAL_OK) {
-            atomic_store(&feed->opened, true);
-            break;
-        }
-        const struct timespec pause = {0, OPEN_EVERY_NS};
-        nanosleep(&pause, NULL);
-    }
-    return NULL;
+    close_device(feed);
+    feed->opened = !feed->closing && open_and_start(feed) == HAL_OK;
 }
 
-/// An ordinary thread, whatever priority the loop's has.
-static bool start_thread(struct camera_feed *feed) {
-    pthread_attr_t attributes;
-    const struct sched_param ordinary = {0};
-    if (pthread_attr_init(&attributes) != 0) {
-        return false;
-    }
-    const bool started = pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED) == 0 &&
-                         pthread_attr_setschedpolicy(&attributes, SCHED_OTHER) == 0 &&
-                         pthread_attr_setschedparam(&attributes, &ordinary) == 0 &&
-                         pthread_create(&feed->thread, &attributes, reopen, feed) == 0;
-    pthread_attr_destroy(&attributes);
-    return started;
+/// A simulated camera has nothing to wait for.
+static bool is_watched(const struct camera_feed *feed) {
+    return feed->loop != NULL && feed->settings.stage == NULL;
 }
 
-/// The loop lets go of the camera, and a thread gets it. Without one it is tried again later.
+/// The loop lets go of the camera.
 static void let_go(struct camera_feed *feed) {
-    if (feed->streaming && feed->loop != NULL) {
+    if (feed->streaming && is_watched(feed)) {
         event_loop_forget(feed->loop, feed->camera.fd);
     }
     feed->streaming = false;
-    atomic_store(&feed->opened, false);
-    feed->thread_runs = start_thread(feed);
-}
-
-static void join(struct camera_feed *feed) {
-    if (feed->thread_runs) {
-        pthread_join(feed->thread, NULL);
-        feed->thread_runs = false;
-    }
+    feed->next_us = 0;
 }
 
 // ---------------------------------------------------------------- frames
@@ -79,7 +76,7 @@ static void count_frame(struct camera_feed *feed, const struct hal_camera_frame 
 }
 
 static void give_back(struct camera_feed *feed, const struct hal_camera_frame *frame) {
-    if (hal_camera_requeue(&feed->camera.hal, frame) != HAL_OK) {
+    if (hal_camera_requeue(feed->hal, frame) != HAL_OK) {
         feed->failures++; // one buffer fewer; of a camera that has left the next dequeue tells
     }
 }
@@ -89,7 +86,7 @@ static void take_frames(void *context) {
     struct camera_feed *const feed = context;
     struct hal_camera_frame newest = {0}, frame;
     enum hal_status status;
-    while ((status = hal_camera_dequeue(&feed->camera.hal, &frame)) == HAL_OK) {
+    while ((status = hal_camera_dequeue(feed->hal, &frame)) == HAL_OK) {
         count_frame(feed, &frame);
         if (newest.data != NULL) {
             feed->late++;
@@ -101,13 +98,13 @@ static void take_frames(void *context) {
         feed->heard_us = event_loop_now_us();
         if (feed->silent) {
             feed->silent = false;
-            snprintf(feed->news, sizeof feed->news, "%s: frames come again", feed->camera.path);
+            snprintf(feed->news, sizeof feed->news, "%s: frames come again", feed->path);
         }
-        feed->settings.take(feed->settings.context, &feed->camera.format, &newest);
+        feed->settings.take(feed->settings.context, &feed->format, &newest);
         give_back(feed, &newest);
     }
     if (status == HAL_ERROR_GONE) {
-        snprintf(feed->news, sizeof feed->news, "%s", feed->camera.error.line);
+        snprintf(feed->news, sizeof feed->news, "%s", error_line(feed));
         let_go(feed);
     } else if (status != HAL_EMPTY) {
         feed->failures++;
@@ -117,23 +114,37 @@ static void take_frames(void *context) {
 // ---------------------------------------------------------------- for the loop
 
 static bool begin(struct camera_feed *feed) {
+    feed->opened = false;
     feed->streaming = true;
     feed->any_frame = false;
     feed->heard_us = event_loop_now_us();
-    return feed->loop == NULL || event_loop_watch(feed->loop, feed->camera.fd, take_frames, feed);
+    return !is_watched(feed) || event_loop_watch(feed->loop, feed->camera.fd, take_frames, feed);
+}
+
+static void init(struct camera_feed *feed, const struct camera_feed_settings *settings) {
+    memset(feed, 0, sizeof *feed);
+    feed->settings = *settings;
+    feed->camera.fd = -1;
+    feed->path = settings->device;
 }
 
 enum hal_status camera_feed_open(struct camera_feed *feed,
                                  const struct camera_feed_settings *settings) {
-    memset(feed, 0, sizeof *feed);
-    feed->settings = *settings;
+    init(feed, settings);
     const enum hal_status status = open_and_start(feed);
     if (status != HAL_OK) {
-        snprintf(feed->news, sizeof feed->news, "%s", feed->camera.error.line);
+        snprintf(feed->news, sizeof feed->news, "%s", error_line(feed));
         return status;
     }
+    feed->told = true;
     (void)begin(feed); // nothing to watch yet
     return HAL_OK;
+}
+
+void camera_feed_open_later(struct camera_feed *feed, const struct camera_feed_settings *settings,
+                            struct event_loop *loop) {
+    init(feed, settings);
+    feed->loop = loop;
 }
 
 bool camera_feed_watch(struct camera_feed *feed, struct event_loop *loop) {
@@ -142,39 +153,66 @@ bool camera_feed_watch(struct camera_feed *feed, struct event_loop *loop) {
 }
 
 static void look_for_silence(struct camera_feed *feed, uint64_t now_us) {
-    const uint64_t ten_us = 10U * (uint64_t)feed->camera.format.interval_us;
+    const uint64_t ten_us = 10U * (uint64_t)feed->format.interval_us;
     const uint64_t most_us = ten_us > CAMERA_FEED_SILENCE_US ? ten_us : CAMERA_FEED_SILENCE_US;
     if (now_us - feed->heard_us <= most_us || now_us < feed->heard_us) {
         return;
     }
     if (!feed->silent) { // told once, however often it is opened
         snprintf(feed->news, sizeof feed->news, "%s: no frame for %.0f s; it is opened anew",
-                 feed->camera.path, (double)most_us * 1e-6);
+                 feed->path, (double)most_us * 1e-6);
     }
     feed->silent = true;
     feed->silences++;
     let_go(feed);
 }
 
+/// A simulated camera is never silent: it leaves, or has frames.
+static void tick_stage(struct camera_feed *feed) {
+    const bool is_there = stage_camera_look(feed->settings.stage);
+    if (feed->streaming) { // else it is the background's
+        if (!is_there) {
+            stage_camera_unplug(feed->settings.stage);
+        }
+        take_frames(feed);
+    }
+}
+
+/// What has become of the attempt to open it.
+static void take_camera(struct camera_feed *feed) {
+    feed->returns++;
+    feed->told = true;
+    if (!feed->silent) {
+        snprintf(feed->news, sizeof feed->news, "%s: the camera is there again", feed->path);
+    }
+    if (!begin(feed)) {
+        let_go(feed);
+    }
+}
+
+static void tell_failure(struct camera_feed *feed) {
+    if (!feed->told && feed->next_us != 0U) {
+        snprintf(feed->news, sizeof feed->news, "%s", error_line(feed));
+        feed->told = true;
+    }
+}
+
 void camera_feed_tick(struct camera_feed *feed, uint64_t now_us) {
-    if (feed->streaming) {
+    if (feed->settings.stage != NULL) {
+        tick_stage(feed);
+    } else if (feed->streaming) {
         look_for_silence(feed, now_us);
+    }
+    if (feed->streaming || !side_job_is_over(&feed->attempt)) {
         return;
     }
-    if (!feed->thread_runs) {
-        let_go(feed); // there was no room for a thread
+    if (feed->opened) {
+        take_camera(feed);
         return;
     }
-    if (atomic_load(&feed->opened)) {
-        join(feed);
-        feed->returns++;
-        if (!feed->silent) {
-            snprintf(feed->news, sizeof feed->news, "%s: the camera is there again",
-                     feed->camera.path);
-        }
-        if (!begin(feed)) {
-            let_go(feed);
-        }
+    tell_failure(feed);
+    if (now_us >= feed->next_us && side_job_start(&feed->attempt, attempt, feed)) {
+        feed->next_us = now_us + OPEN_EVERY_US;
     }
 }
 
@@ -182,14 +220,25 @@ bool camera_feed_is_there(const struct camera_feed *feed) {
     return feed->streaming;
 }
 
+bool camera_feed_end(struct camera_feed *feed) {
+    if (feed->streaming) {
+        let_go(feed);
+    }
+    if (!side_job_is_over(&feed->attempt)) {
+        return false;
+    }
+    if (feed->closing) {
+        return true;
+    }
+    feed->closing = true;
+    return !side_job_start(&feed->attempt, attempt, feed); // else as camera_feed_close will
+}
+
 void camera_feed_close(struct camera_feed *feed) {
-    atomic_store(&feed->ending, true);
-    join(feed);
-    if (feed->loop != NULL && feed->streaming) {
-        event_loop_forget(feed->loop, feed->camera.fd);
+    if (feed->streaming) {
+        let_go(feed);
     }
-    if (feed->settings.device != NULL) {
-        linux_camera_close(&feed->camera);
-    }
+    side_job_wait(&feed->attempt);
+    close_device(feed);
     memset(feed, 0, sizeof *feed);
 }

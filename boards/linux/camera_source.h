@@ -22,8 +22,12 @@ struct camera_source {
 
     // Private from here on.
     const struct rig *rig;
+    const struct rig *next_rig; ///< whose camera takes its place as soon as it is let go of
     const struct hal_clock *clock;
     struct event_loop *loop;
+    bool waits; ///< for the detectors: time is not real
+    struct stage_camera stage;
+    struct stage_camera *staged; ///< NULL: the camera is a real one
     struct gimbal_pose gimbal;
     bool was_there;
     uint64_t passed_over; ///< frames that the eye did not take
@@ -32,18 +36,32 @@ struct camera_source {
     struct target_update update[CAMERA_SOURCE_UPDATES];
     uint32_t id_count;
     uint32_t id[CAMERA_SOURCE_IDS]; ///< of targets that it has told of
+    char news[LINUX_ERROR_BYTES];   ///< of its own, besides the feed's
 };
 
-/// Nothing, if the rig has no camera that detects. clock: what frames and poses are stamped with;
-/// controller: for the mount. Must not move in memory afterwards, nor may rig.
+/// Nothing, if the rig has no camera that detects. clock: what frames and poses are stamped with; a
+/// real camera needs the computer's (linux_clock.h). waits: of a simulated camera, each frame's
+/// targets come in the tick that brings the frame, however long the detectors take. Must not move
+/// in memory afterwards, nor may rig.
 /// Returns: EXIT_STATUS_OK; another after a line on stderr.
 enum exit_status camera_source_open(struct camera_source *source, const struct rig *rig,
-                                    const struct hal_clock *clock);
+                                    const struct hal_clock *clock, bool waits);
 bool camera_source_watch(struct camera_source *source, struct event_loop *loop) MUST_CHECK;
 void camera_source_close(struct camera_source *source);
 
-/// After each tick: where the gimbal is now.
-void camera_source_tick(struct camera_source *source, const struct controller_status *status);
+/// From now on the camera of that rig, which may have none, or other numbers for the same one. The
+/// old one is let go of and the new one opened over the next ticks, without waiting for either; the
+/// old rig is in use until camera_source_is_changing says no more.
+void camera_source_change(struct camera_source *source, const struct rig *rig);
+bool camera_source_is_changing(const struct camera_source *source);
+
+/// After each step of the controller; at_us: now, by its time. truth: where the gimbal really is,
+/// which a simulated camera sees; NULL: where the controller says.
+void camera_source_pose(struct camera_source *source, const struct controller_status *status,
+                        uint64_t at_us, const struct camera_pose *truth);
+
+/// After each tick.
+void camera_source_tick(struct camera_source *source);
 
 /// The next update, which stays until camera_source_taken. NULL: none waits.
 const struct target_update *camera_source_next(const struct camera_source *source);

@@ -2,6 +2,7 @@
 #include "facts.h"
 #include "run_board.h"
 #include "runner.h"
+#include "runner_state.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 extern const char build_id[];
 
 struct settings {
-    const char *targets, *seconds, *log;
+    const char *targets, *seconds, *state, *log;
     bool arm, stay, json;
 };
 
@@ -18,6 +19,8 @@ static const struct option options[] = {
      offsetof(struct settings, targets), NULL},
     {"--seconds", "S", "stop after this time (default: when interrupted)", option_text,
      offsetof(struct settings, seconds), NULL},
+    {"--state", "S", "print a line of JSON every S seconds: where the rig is", option_text,
+     offsetof(struct settings, state), NULL},
     {"--arm", NULL, "arm as soon as the axes are homed", option_flag,
      offsetof(struct settings, arm), NULL},
     {"--stay", NULL, "hold after a fault or a lost device, too, and wait for SIGUSR1 to re-arm",
@@ -26,10 +29,6 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, log), NULL},
     OPTION_JSON(struct settings),
 };
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
 
 /// What only the simulator knows, or only real devices have.
 static void add_by_kind(struct facts *facts, struct runner *runner) {
@@ -60,9 +59,7 @@ static void add_by_kind(struct facts *facts, struct runner *runner) {
 }
 
 static void print_summary(const struct settings *settings, struct runner *runner) {
-    static const char *const names[] = {"pan_deg", "tilt_deg"};
     const struct linux_jitter *jitter = &runner->loop.jitter;
-    const struct controller_status *status = &runner->pump->output.status;
     struct facts facts;
     facts_begin(&facts, stdout, settings->json);
     facts_text(&facts, "build", build_id);
@@ -74,15 +71,15 @@ static void print_summary(const struct settings *settings, struct runner *runner
     facts_u64(&facts, "late_us_p99", linux_jitter_quantile(jitter, 990));
     facts_u64(&facts, "late_us_p999", linux_jitter_quantile(jitter, 999));
     facts_u64(&facts, "late_us_max", jitter->max);
-    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
-        const struct controller_axis_status *at = &status->axis[axis];
-        facts_fixed(&facts, names[axis],
-                    degrees(at->measured_known ? at->measured_q48 : at->setpoint_q48), 4);
-    }
+    runner_state_joints(runner, &facts);
+    runner_state_servos(runner, &facts);
     facts_u64(&facts, "bad_lines", runner->has_source ? runner->source.bad_lines : 0U);
     facts_u64(&facts, "updates_rejected", runner->controller->updates_rejected);
     facts_u64(&facts, "reloads", runner->reloads);
     facts_u64(&facts, "log_dropped", runner->log.dropped);
+    if (runner->settings.state_us != 0U) {
+        facts_u64(&facts, "states_dropped", runner->states_dropped);
+    }
     camera_source_facts(&runner->camera, &facts);
     add_by_kind(&facts, runner);
     facts_end(&facts);
@@ -103,8 +100,8 @@ static enum exit_status drive_board(const struct command *command, const struct 
     const struct sigaction action = {.sa_handler = interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    if (settings->stay || settings->log != NULL) {
-        message_command(command->name, "--stay and --log are not for a rig with a board");
+    if (settings->stay || settings->log != NULL || settings->state != NULL) {
+        message_command(command->name, "--stay, --log and --state are not for a rig with a board");
         return EXIT_STATUS_USAGE;
     }
     struct target_source *source = calloc(1, sizeof *source);
@@ -130,7 +127,7 @@ static enum exit_status drive_board(const struct command *command, const struct 
 /// This program does.
 static enum exit_status drive_devices(const struct command *command,
                                       const struct settings *settings, const char *file,
-                                      uint64_t limit_us) {
+                                      uint64_t limit_us, uint64_t state_us) {
     struct runner *runner = calloc(1, sizeof *runner);
     if (runner == NULL) {
         message_command(command->name, "no memory");
@@ -141,6 +138,7 @@ static enum exit_status drive_devices(const struct command *command,
                                             .targets = settings->targets,
                                             .log = settings->log,
                                             .limit_us = limit_us,
+                                            .state_us = state_us,
                                             .arm = settings->arm,
                                             .stay = settings->stay};
     const enum exit_status status = runner_run(runner, &running);
@@ -160,21 +158,24 @@ static enum exit_status run_command(const struct command *command, int argc, cha
                       &file, 1, &operands)) {
         return EXIT_STATUS_USAGE;
     }
-    double seconds = 0.0;
+    double seconds = 0.0, state_s = 0.0;
     if (operands == 0U) {
         message_command(command->name, "which rig? give its file");
         return EXIT_STATUS_USAGE;
     }
-    if (settings.seconds != NULL &&
-        !option_positive(command->name, "--seconds", settings.seconds, &seconds)) {
+    if ((settings.seconds != NULL &&
+         !option_positive(command->name, "--seconds", settings.seconds, &seconds)) ||
+        (settings.state != NULL &&
+         !option_positive(command->name, "--state", settings.state, &state_s))) {
         return EXIT_STATUS_USAGE;
     }
     struct rig rig;
     enum exit_status status = rig_read(file, 0, &rig);
     if (status == EXIT_STATUS_OK) {
-        const uint64_t limit_us = (uint64_t)(seconds * 1e6);
-        status = rig.board_device != NULL ? drive_board(command, &settings, &rig, limit_us)
-                                          : drive_devices(command, &settings, file, limit_us);
+        const uint64_t limit_us = (uint64_t)(seconds * 1e6), state_us = (uint64_t)(state_s * 1e6);
+        status = rig.board_device != NULL
+                     ? drive_board(command, &settings, &rig, limit_us)
+                     : drive_devices(command, &settings, file, limit_us, state_us);
     }
     rig_free(&rig);
     return status;

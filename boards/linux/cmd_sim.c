@@ -234,7 +234,7 @@ static enum exit_status apply(const struct settings *settings, struct run *run) 
     }
     if (settings->has_seed) {
         sim->seed = settings->seed;
-        run->scenario.camera.seed = settings->seed;
+        run->scenario.camera.stage.seed = settings->seed;
     }
     if (settings->record != NULL) {
         if (!recorder_open(&run->recorder, settings->record)) {

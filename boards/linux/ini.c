@@ -43,6 +43,34 @@ void ini_free(struct ini *ini) {
     *ini = (struct ini){0};
 }
 
+/// The next entry from *at that is not in that section; NULL: there is none.
+static const struct ini_entry *next_outside(const struct ini *ini, const char *section,
+                                            uint32_t *at) {
+    while (*at < ini->entry_count) {
+        const struct ini_entry *entry = &ini->entries[(*at)++];
+        if (section == NULL || strcmp(ini->sections[entry->section].name, section) != 0) {
+            return entry;
+        }
+    }
+    return NULL;
+}
+
+bool ini_same_but(const struct ini *a, const struct ini *b, const char *section) {
+    uint32_t i = 0, k = 0;
+    for (;;) {
+        const struct ini_entry *x = next_outside(a, section, &i), *y = next_outside(b, section, &k);
+        if (x == NULL || y == NULL) {
+            return x == y;
+        }
+        const struct ini_section_line *of_x = &a->sections[x->section];
+        const struct ini_section_line *of_y = &b->sections[y->section];
+        if (strcmp(of_x->name, of_y->name) != 0 || strcmp(of_x->label, of_y->label) != 0 ||
+            strcmp(x->key, y->key) != 0 || strcmp(x->value, y->value) != 0) {
+            return false;
+        }
+    }
+}
+
 int64_t ini_find_section(const struct ini *ini, const char *name, const char *label) {
     for (uint32_t i = 0; i < ini->section_count; i++) {
         if (strcmp(ini->sections[i].name, name) == 0 &&

@@ -62,6 +62,10 @@ const struct ini_entry *ini_find(const struct ini *ini, int64_t section, const c
 void ini_complain(const struct ini *ini, const char *section, const char *label, const char *key,
                   const char *format, ...) __attribute__((format(printf, 5, 6)));
 
+/// Do both files say the same, whatever their comments and blanks? section: is not looked at; NULL:
+/// all are. Their order counts.
+bool ini_same_but(const struct ini *a, const struct ini *b, const char *section);
+
 /// Keeps a copy of text[0..size) until ini_free. NULL: no memory.
 const char *ini_keep(struct ini *ini, const char *text, size_t size);
 

@@ -69,10 +69,10 @@ static enum hal_status together_send(void *ctx, const struct can_frame *frame) {
         if (frame->id != buses->request_id[axis]) {
             continue;
         }
-        const struct hal_can *hal = buses->bus_of[axis]->hal;
-        const enum hal_status status = hal_can_send(hal, frame);
+        const struct rig_bus *bus = buses->bus_of[axis];
+        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_send(bus->hal, frame);
         if (status == HAL_ERROR_DOWN) {
-            (void)!hal_can_restart(hal);
+            (void)!hal_can_restart(bus->hal);
         }
         buses->dropped += status != HAL_OK;
         return HAL_OK;
@@ -84,7 +84,9 @@ static enum hal_status together_receive(void *ctx, struct can_frame *frame, uint
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_EMPTY;
     for (unsigned i = 0; i < buses->count; i++) {
-        const enum hal_status status = hal_can_receive(buses->bus[i].hal, frame, at_us);
+        const struct rig_bus *bus = &buses->bus[i];
+        const enum hal_status status =
+            bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
         if (status == HAL_OK) {
             return HAL_OK;
         }
@@ -98,7 +100,8 @@ static enum hal_status together_state(void *ctx, struct hal_can_state *state) {
     struct hal_can_state sum = {.health = HAL_CAN_ACTIVE};
     for (unsigned i = 0; i < buses->count; i++) {
         struct hal_can_state one;
-        const enum hal_status status = hal_can_state(buses->bus[i].hal, &one);
+        const struct rig_bus *bus = &buses->bus[i];
+        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, &one);
         if (status != HAL_OK) {
             return status;
         }
@@ -111,8 +114,8 @@ static enum hal_status together_state(void *ctx, struct hal_can_state *state) {
 }
 
 /// Each bus has its filters, of its own drives.
-static enum hal_status together_set_filters(void *ctx, const struct hal_can_filter *filters,
-                                            uint32_t count) {
+static enum hal_status front_set_filters(void *ctx, const struct hal_can_filter *filters,
+                                         uint32_t count) {
     (void)ctx;
     (void)filters;
     (void)count;
@@ -123,14 +126,39 @@ static enum hal_status together_restart(void *ctx) {
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_OK;
     for (unsigned i = 0; i < buses->count; i++) {
-        const enum hal_status status = hal_can_restart(buses->bus[i].hal);
+        const struct rig_bus *bus = &buses->bus[i];
+        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
         worst = status != HAL_OK ? status : worst;
     }
     return worst;
 }
 
+// One alone is itself, as long as it is there.
+
+static enum hal_status alone_send(void *ctx, const struct can_frame *frame) {
+    const struct rig_bus *bus = ctx;
+    return bus->lost ? HAL_ERROR_GONE : hal_can_send(bus->hal, frame);
+}
+
+static enum hal_status alone_receive(void *ctx, struct can_frame *frame, uint32_t *at_us) {
+    const struct rig_bus *bus = ctx;
+    return bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
+}
+
+static enum hal_status alone_state(void *ctx, struct hal_can_state *state) {
+    const struct rig_bus *bus = ctx;
+    return bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, state);
+}
+
+static enum hal_status alone_restart(void *ctx) {
+    const struct rig_bus *bus = ctx;
+    return bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
+}
+
+static const struct hal_can_ops alone_ops = {alone_send, alone_receive, alone_state,
+                                             front_set_filters, alone_restart};
 static const struct hal_can_ops together_ops = {together_send, together_receive, together_state,
-                                                together_set_filters, together_restart};
+                                                front_set_filters, together_restart};
 
 // ---------------------------------------------------------------- which there are
 
@@ -176,7 +204,8 @@ bool rig_buses_find(struct rig_buses *buses, const struct rig *rig, const struct
         buses->bus_of[axis] = bus;
         buses->request_id[axis] = REQUEST_IDS + drive->rmd.id;
     }
-    return hal_can_bind(&buses->together, &together_ops, buses) == HAL_OK;
+    return buses->count == 1U ? hal_can_bind(&buses->front, &alone_ops, &buses->bus[0]) == HAL_OK
+                              : hal_can_bind(&buses->front, &together_ops, buses) == HAL_OK;
 }
 
 // ---------------------------------------------------------------- opening
@@ -187,18 +216,18 @@ static enum hal_status open_bus(struct rig_buses *buses, struct rig_bus *bus) {
     switch (address->kind) {
     case RIG_BUS_SOCKETCAN:
         status = linux_can_open(&bus->can, address->path, buses->clock);
-        buses->error = bus->can.error;
+        bus->error = bus->can.error;
         bus->hal = &bus->can.hal;
         break;
     case RIG_BUS_SLCAN:
         status = linux_slcan_open(&bus->slcan, address->path, address->bitrate, buses->clock);
-        buses->error = bus->slcan.error;
+        bus->error = bus->slcan.error;
         bus->hal = &bus->slcan.hal;
         break;
     default:
         status = linux_gs_usb_open(&bus->gs_usb, address->path[0] != '\0' ? address->path : NULL,
                                    address->channel, address->bitrate, buses->clock);
-        buses->error = bus->gs_usb.error;
+        bus->error = bus->gs_usb.error;
         bus->hal = &bus->gs_usb.hal;
         break;
     }
@@ -223,10 +252,9 @@ enum hal_status rig_buses_open(struct rig_buses *buses) {
     enum hal_status status = HAL_OK;
     for (unsigned i = 0; i < buses->count && status == HAL_OK; i++) {
         status = open_bus(buses, &buses->bus[i]);
+        buses->error = buses->bus[i].error;
     }
-    buses->hal = buses->count == 0U   ? NULL
-                 : buses->count == 1U ? buses->bus[0].hal
-                                      : &buses->together;
+    buses->hal = buses->count == 0U ? NULL : &buses->front;
     return status;
 }
 
@@ -257,12 +285,7 @@ bool rig_buses_incomplete(const struct rig_buses *buses) {
     return (buses->count > 0U && buses->bus[0].lost) || (buses->count > 1U && buses->bus[1].lost);
 }
 
-void rig_buses_mend(struct rig_buses *buses) {
-    for (unsigned i = 0; i < buses->count; i++) {
-        struct rig_bus *bus = &buses->bus[i];
-        if (bus->lost) {
-            close_bus(bus);
-            bus->lost = open_bus(buses, bus) != HAL_OK;
-        }
-    }
+bool rig_bus_reopen(struct rig_buses *buses, struct rig_bus *bus) {
+    close_bus(bus);
+    return open_bus(buses, bus) == HAL_OK;
 }

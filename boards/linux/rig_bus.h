@@ -42,16 +42,17 @@ struct rig_bus {
     const struct hal_can *hal;
     struct hal_can_filter filters[AXIS_COUNT];
     uint32_t filter_count;
-    bool lost;
+    struct linux_error error; ///< why it could not be opened
+    bool lost;                ///< not touched until it is opened anew
 };
 
 struct rig_buses {
-    const struct hal_can *hal; ///< of all of them; NULL: no axis has a bus
+    const struct hal_can *hal; ///< of all of them; NULL: no axis has a bus. A lost bus has gone
     uint32_t dropped;          ///< requests that their bus did not take, of several buses
-    struct linux_error error;  ///< of the bus that was opened or lost last
+    struct linux_error error;  ///< of the bus that could not be opened, or was lost last
 
     // Private from here on.
-    struct hal_can together;
+    struct hal_can front;
     struct rig_bus bus[RIG_BUSES_MAX];
     unsigned count;
     uint32_t request_id[AXIS_COUNT]; ///< 0: no drive on a bus
@@ -69,7 +70,9 @@ void rig_buses_close(struct rig_buses *buses);
 /// Has one left since the last call? Its line, once for each loss; NULL: none has.
 const char *rig_buses_newly_lost(struct rig_buses *buses);
 bool rig_buses_incomplete(const struct rig_buses *buses);
-/// Tries to open what is missing.
-void rig_buses_mend(struct rig_buses *buses);
+
+/// Opens a lost bus anew, which may take long: in any thread, alone. False: bus->error. The caller
+/// clears bus->lost when it is done.
+bool rig_bus_reopen(struct rig_buses *buses, struct rig_bus *bus) MUST_CHECK;
 
 #endif

@@ -1,6 +1,7 @@
 #include "rig_camera.h"
 
 #include "rig_schema.h"
+#include "stage_camera.h"
 
 #include "detect/tags.h"
 
@@ -262,6 +263,15 @@ bool rig_frames_build(const struct rig_camera *from, const struct ini *ini,
                                         .width_px = (uint32_t)from->width_px,
                                         .height_px = (uint32_t)from->height_px,
                                         .interval_us = (uint32_t)(1000000000 / from->rate_mhz)}};
+    struct stage_camera_address address;
+    if (strncmp(from->device, "fake", 4) == 0 &&
+        (!stage_camera_parse(from->device, &address) || from->width_px % 2 != 0)) {
+        ini_complain(ini, "camera", "", "device",
+                     "is '%s'; a simulated camera is fake:FILE or fake:FILE@MS (0 to 1000), and "
+                     "width_px is even",
+                     from->device);
+        return false;
+    }
     if (from->device[0] != '\0' && from->detect[0] == '\0') {
         ini_complain(ini, "camera", "", "device", "needs to be told what to look for: detect = %s",
                      "tags, or markers, or motion");

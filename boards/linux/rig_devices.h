@@ -9,12 +9,17 @@
 /// rig_devices_mend opens it again when it is back, and outputs get the pulses that were asked for
 /// last. A camera that refuses a setting is asked again, and taken for lost when it refuses for two
 /// seconds.
+///
+/// Opening takes long, a USB device up to seconds, so what was lost is opened in the background: no
+/// tick waits for it. Until then it belongs to the background alone.
+/// Shown: tests/scenario/test_rig_mend.c (an adapter whose opening blocks).
 #ifndef LINUX_RIG_DEVICES_H
 #define LINUX_RIG_DEVICES_H
 
 #include "message.h"
 #include "rig.h"
 #include "rig_bus.h"
+#include "side_job.h"
 
 #include "app/pump.h"
 #include "linux/linux_camera.h"
@@ -53,7 +58,9 @@ struct rig_output_device {
     uint32_t failed_settings, refusals; ///< of the camera: seen; in a row
     uint32_t refused_us;
     const struct hal_pwm *hal;
-    bool lost;
+    struct linux_error error; ///< why it could not be opened
+    bool lost;                ///< not touched until it is opened anew
+    bool mending, mended;     ///< the background is opening it; has opened it
 };
 
 /// How an axis' pulses come out.
@@ -74,7 +81,11 @@ struct rig_devices {
     unsigned device_count;
     struct hal_pwm outputs;
     struct rig_output output[AXIS_COUNT];
-    struct linux_error error; ///< of the device that was opened or lost last
+    struct linux_error error; ///< of the device that could not be opened, or was lost last
+    struct side_job mending;
+    bool mending_begun;
+    bool bus_mending[RIG_BUSES_MAX], bus_mended[RIG_BUSES_MAX];
+    uint32_t asked_us; ///< when Maestros were last asked where their outputs are
 };
 
 /// Opens them all. rig: its controller's PWM channels are numbered by axis from now on.
@@ -94,8 +105,13 @@ struct linux_jitter rig_devices_jitter(struct rig_devices *devices);
 const char *rig_devices_newly_lost(struct rig_devices *devices);
 /// Is one missing now?
 bool rig_devices_incomplete(const struct rig_devices *devices);
-/// Tries to open what is missing; costs a few system calls, so call it twice a second and not more.
-/// Returns whether all is there again.
-bool rig_devices_mend(struct rig_devices *devices);
+/// Tries to open what is missing, in the background, unless it is being tried. What comes of it is
+/// taken up by a later rig_devices_tick. Twice a second is often enough.
+void rig_devices_mend(struct rig_devices *devices);
+
+/// The pulse that an axis' output gives now, as the device says (a Maestro, which may move slower
+/// than it is told). False: this device says no such thing. *known: it has said so.
+bool rig_devices_read_back(const struct rig_devices *devices, enum controller_axis axis,
+                           bool *known, uint32_t *pulse_ns);
 
 #endif

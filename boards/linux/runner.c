@@ -1,8 +1,8 @@
-#include "runner.h"
+#include "runner_private.h"
+#include "runner_state.h"
 
 #include <errno.h>
 #include <inttypes.h>
-#include <stdarg.h>
 #include <string.h>
 
 /// A drive that has not answered for so long after the start is missing.
@@ -11,82 +11,6 @@
 #define LOOK_EVERY_US 500000U
 
 static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
-
-/// To the person on stderr and to the log.
-__attribute__((format(printf, 4, 5))) static void tell(struct runner *runner, bool severe,
-                                                       const char *event, const char *format, ...) {
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    message_command(runner->settings.command, "%s", text);
-    run_log_event(&runner->log, severe, event, "%s", text);
-}
-
-// ---------------------------------------------------------------- the rig
-
-static enum exit_status build_fakes(struct runner *runner) {
-    const struct sim_config config = {.controller = &runner->rig.controller,
-                                      .schedule = &runner->schedule,
-                                      .seed = 1,
-                                      .fixed_focal_mm = runner->rig.fixed_focal_mm};
-    runner->sim = sim_create(&config);
-    if (runner->sim == NULL) {
-        message_command(runner->settings.command, "no memory for the simulated devices");
-        return EXIT_STATUS_FAILURE;
-    }
-    runner->controller = &runner->sim->controller;
-    runner->pump = &runner->sim->pump;
-    return EXIT_STATUS_OK;
-}
-
-static enum exit_status build_devices(struct runner *runner) {
-    const enum exit_status status = rig_devices_open(&runner->devices, &runner->rig);
-    if (status != EXIT_STATUS_OK) {
-        return status;
-    }
-    runner->devices_open = true;
-    runner->controller = &runner->real_controller;
-    runner->pump = &runner->real_pump;
-    if (!controller_init(runner->controller, &runner->rig.controller) ||
-        !pump_init(runner->pump, runner->controller, &runner->devices.pump)) {
-        message_at(runner->rig.ini.file, 0, "the controller can't work with these settings");
-        return EXIT_STATUS_USAGE;
-    }
-    return EXIT_STATUS_OK;
-}
-
-/// Controller and devices of runner->rig.
-static enum exit_status build(struct runner *runner) {
-    runner->rig.controller.arm_on_start =
-        runner->rig.controller.arm_on_start || runner->settings.arm;
-    runner->told_mode = MODE_STARTING;
-    runner->told_faults = 0;
-    runner->capacity = (struct capacity){0};
-    runner->starting_since_us = event_loop_now_us();
-    const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);
-    if (status != EXIT_STATUS_OK) {
-        return status;
-    }
-    const enum exit_status built =
-        rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
-    if (built != EXIT_STATUS_OK) {
-        return built;
-    }
-    return camera_source_open(&runner->camera, &runner->rig, &runner->clock.hal);
-}
-
-static void dismantle(struct runner *runner) {
-    camera_source_close(&runner->camera);
-    rig_lines_close(&runner->lines);
-    if (runner->devices_open) {
-        rig_devices_close(&runner->devices);
-        runner->devices_open = false;
-    }
-    sim_destroy(runner->sim);
-    runner->sim = NULL;
-}
 
 // ---------------------------------------------------------------- between the ticks
 
@@ -117,10 +41,10 @@ static void tell_mode(struct runner *runner) {
     runner->told_mode = controller->mode;
     runner->told_faults = controller->faults;
     const bool faulted = controller->faults != 0U;
-    tell(runner, faulted, faulted ? "fault" : "mode", "%s%s%s%s%s",
-         controller_mode_name(controller->mode), faulted ? ": " : "",
-         faulted ? axis_names[controller->fault_axis % AXIS_COUNT] : "", faulted ? ": " : "",
-         faulted ? controller_fault_name(controller->faults) : "");
+    runner_tell(runner, faulted, faulted ? "fault" : "mode", "%s%s%s%s%s",
+                controller_mode_name(controller->mode), faulted ? ": " : "",
+                faulted ? axis_names[controller->fault_axis % AXIS_COUNT] : "", faulted ? ": " : "",
+                faulted ? controller_fault_name(controller->faults) : "");
 }
 
 /// Is every powered axis at rest?
@@ -138,55 +62,13 @@ void runner_stop(struct runner *runner) {
     runner->stopping = true;
 }
 
-static void begin_reload(struct runner *runner) {
-    if (runner->reloading || runner->stopping) {
-        return;
-    }
-    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK) {
-        tell(runner, true, "reload", "%s is not used: the rig stays as it was",
-             runner->settings.rig_file);
-        rig_free(&runner->next_rig);
-        return;
-    }
-    if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
-        tell(runner, true, "reload", "tick_us can't change while it runs: the rig stays as it was");
-        rig_free(&runner->next_rig);
-        return;
-    }
-    runner->reloading = true;
-    pump_command(runner->pump, COMMAND_STOP);
-}
-
-/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
-static enum exit_status finish_reload(struct runner *runner) {
-    dismantle(runner);
-    rig_free(&runner->rig);
-    runner->rig = runner->next_rig;
-    memset(&runner->next_rig, 0, sizeof runner->next_rig);
-    runner->reloading = false;
-    runner->reloads++;
-    // The controller has forgotten its targets; a recording has them, a live stream sends new ones.
-    if (runner->has_source && runner->source.is_recording) {
-        target_source_close(&runner->source);
-        runner->has_source = target_source_open(&runner->source, runner->settings.targets);
-        runner->source_since_ticks = runner->loop.ticks;
-    }
-    tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
-    const enum exit_status status = build(runner);
-    if (status == EXIT_STATUS_OK && !camera_source_watch(&runner->camera, &runner->loop)) {
-        message_command(runner->settings.command, "no room in the event loop");
-        return EXIT_STATUS_FAILURE;
-    }
-    return status;
-}
-
 static void take_signals(struct runner *runner, uint32_t raised) {
     if ((raised & EVENT_LOOP_END) != 0U && !runner->stopping) {
         run_log_event(&runner->log, false, "end", "interrupted");
         runner_stop(runner);
     }
     if ((raised & EVENT_LOOP_RELOAD) != 0U) {
-        begin_reload(runner);
+        runner_begin_reload(runner);
     }
     if ((raised & EVENT_LOOP_REARM) != 0U && !runner->stopping && !runner->reloading) {
         run_log_event(&runner->log, false, "rearm", "by SIGUSR1");
@@ -201,16 +83,16 @@ static void take_signals(struct runner *runner, uint32_t raised) {
 static void look_at_lines(struct runner *runner) {
     const struct rig_lines_state state = rig_lines_read(&runner->lines, event_loop_now_us());
     if (state.lost != NULL) {
-        tell(runner, true, "device", "%s", state.lost);
+        runner_tell(runner, true, "device", "%s", state.lost);
         runner->device_failed = true;
     }
     if (state.pressed != NULL) {
-        tell(runner, true, "switch", "%s is pressed", state.pressed);
+        runner_tell(runner, true, "switch", "%s is pressed", state.pressed);
         runner->pressed = state.pressed;
         runner->line_stopped = true;
     }
     if (runner->stop_pressed && !state.stop) {
-        tell(runner, false, "switch", "emergency stop is released");
+        runner_tell(runner, false, "switch", "emergency stop is released");
     }
     runner->stop_pressed = state.stop;
     if (state.stop || state.pressed != NULL) {
@@ -240,10 +122,10 @@ static void look_for_answers(struct runner *runner, uint64_t now_us) {
         const struct drive_config *drive = &runner->rig.controller.axis[axis].drive;
         if (drive->kind == DRIVE_RMD && !controller->drive[axis].ready) {
             runner->device_failed = true;
-            tell(runner, true, "device",
-                 "%s: drive %u does not answer; is it powered, its id and the bit rate "
-                 "right, the bus terminated?",
-                 runner->rig.bus[axis], drive->rmd.id);
+            runner_tell(runner, true, "device",
+                        "%s: drive %u does not answer; is it powered, its id and the bit rate "
+                        "right, the bus terminated?",
+                        runner->rig.bus[axis], drive->rmd.id);
         }
     }
 }
@@ -252,24 +134,37 @@ static void look_for_answers(struct runner *runner, uint64_t now_us) {
 /// sources tell.
 static void look_after_camera(struct runner *runner) {
     bool lost = false;
-    camera_source_tick(&runner->camera, &runner->pump->output.status);
+    camera_source_tick(&runner->camera);
     const char *news = camera_source_news(&runner->camera, &lost);
     if (news == NULL) {
         return;
     }
-    tell(runner, lost, "camera", "%s", news);
+    runner_tell(runner, lost, "camera", "%s", news);
     if (lost && !runner->settings.stay) {
         runner->device_failed = true;
         pump_command(runner->pump, COMMAND_STOP);
     }
 }
 
-/// Are they all there? Tries to open what is missing.
-static bool mend(struct runner *runner) {
-    const bool lines = !rig_lines_lost(&runner->lines) || rig_lines_mend(&runner->lines);
-    const bool devices = runner->sim != NULL || !rig_devices_incomplete(&runner->devices) ||
-                         rig_devices_mend(&runner->devices);
-    return lines && devices;
+static bool any_missing(const struct runner *runner) {
+    return rig_lines_lost(&runner->lines) ||
+           (runner->sim == NULL && rig_devices_incomplete(&runner->devices));
+}
+
+/// Tries to open what is missing; tells when it is all there.
+static void mend(struct runner *runner) {
+    if (rig_lines_lost(&runner->lines)) {
+        (void)rig_lines_mend(&runner->lines);
+    }
+    if (runner->sim == NULL) {
+        rig_devices_mend(&runner->devices);
+    }
+    const bool missing = any_missing(runner);
+    if (runner->was_missing && !missing) {
+        runner->device_failed = false;
+        runner_tell(runner, false, "device", "all devices are there again");
+    }
+    runner->was_missing = missing;
 }
 
 static void look_after_devices(struct runner *runner) {
@@ -277,7 +172,7 @@ static void look_after_devices(struct runner *runner) {
         rig_devices_tick(&runner->devices);
         const char *lost = rig_devices_newly_lost(&runner->devices);
         if (lost != NULL) {
-            tell(runner, true, "device", "%s", lost);
+            runner_tell(runner, true, "device", "%s", lost);
             runner->device_failed = true;
             runner->looked_us =
                 event_loop_now_us(); // what leaves is let leave before it is looked for
@@ -292,11 +187,8 @@ static void look_after_devices(struct runner *runner) {
     if (runner->sim == NULL) {
         look_for_answers(runner, now_us);
     }
-    const bool missing = rig_lines_lost(&runner->lines) ||
-                         (runner->sim == NULL && rig_devices_incomplete(&runner->devices));
-    if (missing && mend(runner)) {
-        runner->device_failed = false;
-        tell(runner, false, "device", "all devices are there again");
+    if (runner->was_missing || any_missing(runner)) {
+        mend(runner);
     }
 }
 
@@ -325,17 +217,24 @@ static void step(struct runner *runner, uint64_t due) {
         // A tick that was missed is past: the controller is told the time, not the number.
         pump_step(runner->pump);
         runner->steps++;
+        const struct controller_status *status = &runner->pump->output.status;
+        camera_source_pose(&runner->camera, status, status->time_us, NULL);
         return;
     }
     for (uint64_t i = 0; i < due; i++) { // the simulator's time keeps up with the clock
         sim_step(runner->sim);
         runner->steps++;
+        const struct sim_view seen = sim_observe(runner->sim);
+        const struct camera_pose truth = {seen.pan_deg, seen.tilt_deg,
+                                          seen.focal_mm / runner->rig.eye.focal_mm};
+        camera_source_pose(&runner->camera, &runner->pump->output.status, runner->sim->time_us,
+                           &truth);
     }
 }
 
 /// Waits for the next tick. Returns how many are due; 0: it can't.
 static uint64_t await_tick(struct runner *runner, uint32_t *raised) {
-    if (runner->settings.hurry && runner->sim != NULL) {
+    if (runner_is_hurried(runner)) {
         *raised = 0;
         runner->loop.ticks++;
         return 1;
@@ -365,13 +264,14 @@ bool runner_tick(struct runner *runner) {
     set_enable(runner);
     tell_mode(runner);
     if (capacity_exceeded(&runner->capacity, &runner->pump->output.status)) {
-        tell(runner, true, "capacity", CAPACITY_MESSAGE, TARGET_CAPACITY);
+        runner_tell(runner, true, "capacity", CAPACITY_MESSAGE, TARGET_CAPACITY);
     }
+    runner_state_tick(runner);
     if (is_over(runner, &runner->status)) {
         return false;
     }
     if (runner->reloading && stands_still(runner->controller)) {
-        runner->status = finish_reload(runner);
+        runner->status = runner_finish_reload(runner);
     }
     return runner->status == EXIT_STATUS_OK;
 }
@@ -388,7 +288,7 @@ static enum exit_status start(struct runner *runner) {
             return EXIT_STATUS_USAGE;
         }
     }
-    return run_log_open(&runner->log, settings->log, event_loop_now_us()) ? build(runner)
+    return run_log_open(&runner->log, settings->log, event_loop_now_us()) ? runner_build(runner)
                                                                           : EXIT_STATUS_USAGE;
 }
 
@@ -406,7 +306,7 @@ enum exit_status runner_start(struct runner *runner, const struct runner_setting
     if (runner->sim == NULL) {
         realtime_enter(&runner->realtime);
         if (runner->realtime.advice[0] != '\0') {
-            tell(runner, false, "realtime", "%s", runner->realtime.advice);
+            runner_tell(runner, false, "realtime", "%s", runner->realtime.advice);
         }
     }
     if (!event_loop_open(&runner->loop, runner->rig.controller.tick_us) ||
@@ -433,8 +333,9 @@ void runner_close(struct runner *runner) {
     realtime_leave();
     event_loop_close(&runner->loop);
     target_source_close(&runner->source);
-    dismantle(runner);
+    runner_dismantle(runner);
     rig_free(&runner->rig);
     rig_free(&runner->next_rig);
+    runner_forget_camera_rigs(runner);
     run_log_close(&runner->log);
 }

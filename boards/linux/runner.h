@@ -22,6 +22,7 @@ struct runner_settings {
     const char *targets;  ///< NULL: none
     const char *log;      ///< as for run_log_open
     uint64_t limit_us;    ///< 0: until interrupted
+    uint64_t state_us;    ///< a line of state every so often; 0: none
     bool arm;             ///< whatever the rig file says
     bool stay;            ///< a fault, a lost device do not end it
     bool hurry;           ///< simulated rigs do not wait for the clock
@@ -32,6 +33,9 @@ struct runner {
     struct rig rig;
     struct rig next_rig; ///< read, to be used as soon as all stands still
     bool reloading;
+    /// Of the camera, once another file has changed only that: the one in use and the one before.
+    struct rig camera_rig[2];
+    unsigned camera_reloads; ///< since all was read; the one in use is (camera_reloads - 1) % 2
     struct target_source source;
     bool has_source;
     uint64_t source_since_ticks; ///< the times of a recording count from here
@@ -57,7 +61,8 @@ struct runner {
     bool stopping; ///< for good
     enum exit_status status;
     bool device_failed, line_stopped;
-    uint64_t steps, starting_since_us, looked_us, reloads;
+    bool was_missing; ///< a device, when it was last looked
+    uint64_t steps, starting_since_us, looked_us, reloads, state_due_us, states_dropped;
 };
 
 /// Runs to the end. Returns the exit status of the command, after lines on stderr. What the results

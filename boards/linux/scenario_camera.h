@@ -5,10 +5,10 @@
 
 #include "ini_schema.h"
 #include "rig.h"
+#include "stage.h"
 
 #include "detect/eye.h"
 #include "detect/gimbal_pose.h"
-#include "view/render.h"
 
 #include "sim.h"
 
@@ -27,13 +27,9 @@ enum { SCENARIO_CAMERA_FRAMES = 8 };
 struct scenario_camera {
     struct scenario_camera_keys keys;
     const struct rig *rig;
-    uint64_t seed;
     struct eye *eye;
     struct gimbal_pose gimbal;
-    struct render render;
-    double rendered_zoom; ///< the render's lens; 0: none yet
-    struct render_object *objects;
-    uint8_t *texture; ///< of all objects
+    struct stage stage;
     uint64_t next_us; ///< of the next exposure
     uint32_t first, waiting;
     struct scenario_frame {

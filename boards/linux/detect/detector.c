@@ -17,9 +17,20 @@ static const struct tracks_settings marker_tracks = {.first_id = DETECTION_MARKE
                                                      .gate_sizes = 1.0,
                                                      .speed_gain = 0.3};
 
+/// A tag that is not seen for so long has gone. Longer than for markers: its number says for sure
+/// that it is the same when it is seen again after a turn that blurred it.
+#define TAG_KEEP_S 1.0
+
+struct known_tag {
+    uint32_t id;
+    double unseen_s;
+};
+
 struct detector {
     struct detector_settings settings;
     struct tags *tags;
+    uint32_t known_tag_count;
+    struct known_tag known_tag[DETECTIONS_MAX];
     struct markers_settings marker_settings;
     struct markers_work markers;
     struct tracks marker_tracks;
@@ -105,6 +116,39 @@ void detector_destroy(struct detector *detector) {
     }
 }
 
+// ---------------------------------------------------------------- tags, remembered
+
+static void remember_tag(struct detector *detector, uint32_t id) {
+    uint32_t at = 0;
+    while (at < detector->known_tag_count && detector->known_tag[at].id != id) {
+        at++;
+    }
+    if (at == DETECTIONS_MAX) {
+        return; // nobody will say that it has gone, but that it is there
+    }
+    detector->known_tag_count += at == detector->known_tag_count;
+    detector->known_tag[at] = (struct known_tag){.id = id};
+}
+
+/// Tags that are in the frame are the only finds so far.
+static void find_tags(struct detector *detector, const struct hal_camera_luma *frame,
+                      double elapsed_s, const struct detector_sight *sight,
+                      struct detections *out) {
+    for (uint32_t i = 0; i < detector->known_tag_count; i++) {
+        detector->known_tag[i].unseen_s += elapsed_s;
+    }
+    tags_find(detector->tags, frame, sight->model, out);
+    for (uint32_t i = 0; i < out->count; i++) {
+        remember_tag(detector, out->item[i].id);
+    }
+    for (uint32_t i = detector->known_tag_count; i-- > 0U;) {
+        if (detector->known_tag[i].unseen_s > TAG_KEEP_S) {
+            out->gone[out->gone_count++] = detector->known_tag[i].id;
+            detector->known_tag[i] = detector->known_tag[--detector->known_tag_count];
+        }
+    }
+}
+
 // ---------------------------------------------------------------- markers, followed
 
 /// From the pixel of the last frame to that of this one.
@@ -180,7 +224,7 @@ void detector_frame(struct detector *detector, const struct hal_camera_luma *fra
     detector->any_frame = true;
     detector->last_us = at_us;
     if (detector->tags != NULL) {
-        tags_find(detector->tags, frame, sight->model, out);
+        find_tags(detector, frame, elapsed_s, sight, out);
     }
     if (detector->settings.wanted[DETECTION_MARKER]) {
         find_markers(detector, frame, elapsed_s, sight, out);

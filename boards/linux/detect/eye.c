@@ -1,5 +1,7 @@
 #include "detect/eye.h"
 
+#include "side_job.h"
+
 #include "linux/linux_luma.h"
 
 #include <math.h>
@@ -182,18 +184,8 @@ static void *work(void *context) {
     return NULL;
 }
 
-/// An ordinary thread, whatever priority the caller's has: it must not hold up the ticks.
-static bool start_worker(struct eye *eye) {
-    pthread_attr_t attributes;
-    if (pthread_attr_init(&attributes) != 0) {
-        return false;
-    }
-    const struct sched_param ordinary = {0};
-    eye->has_worker = pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED) == 0 &&
-                      pthread_attr_setschedpolicy(&attributes, SCHED_OTHER) == 0 &&
-                      pthread_attr_setschedparam(&attributes, &ordinary) == 0 &&
-                      pthread_create(&eye->worker, &attributes, work, eye) == 0;
-    pthread_attr_destroy(&attributes);
+static bool start(struct eye *eye) {
+    eye->has_worker = side_job_thread(&eye->worker, work, eye);
     return eye->has_worker;
 }
 
@@ -207,7 +199,7 @@ struct eye *eye_create(const struct eye_settings *settings) {
     pthread_mutex_init(&eye->mutex, NULL);
     pthread_cond_init(&eye->changed, NULL);
     eye->done_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    if (eye->done_fd < 0 || !start_worker(eye)) {
+    if (eye->done_fd < 0 || !start(eye)) {
         eye_destroy(eye);
         return NULL;
     }
@@ -280,6 +272,13 @@ enum eye_status eye_submit(struct eye *eye, const struct hal_camera_format *form
     pthread_cond_signal(&eye->changed);
     pthread_mutex_unlock(&eye->mutex);
     return EYE_OK;
+}
+
+bool eye_is_idle(struct eye *eye) {
+    pthread_mutex_lock(&eye->mutex);
+    const bool idle = eye->state != JOB_WAITING;
+    pthread_mutex_unlock(&eye->mutex);
+    return idle;
 }
 
 int eye_fd(const struct eye *eye) {

@@ -61,6 +61,9 @@ enum eye_status {
 enum eye_status eye_submit(struct eye *eye, const struct hal_camera_format *format,
                            const struct hal_camera_frame *frame) MUST_CHECK;
 
+/// Whether no frame is being worked on: then eye_destroy does not wait.
+bool eye_is_idle(struct eye *eye);
+
 /// Can be read (poll, epoll) while updates of a frame wait for eye_collect.
 int eye_fd(const struct eye *eye);
 

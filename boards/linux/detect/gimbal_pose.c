@@ -25,10 +25,10 @@ static bool told_at(const struct gimbal_pose *gimbal, unsigned axis, uint64_t at
 }
 
 static double where(const struct gimbal_pose *gimbal, const struct controller_status *status,
-                    unsigned axis) {
+                    unsigned axis, uint64_t at_us) {
     const struct controller_axis_status *at = &status->axis[axis];
     double now_deg, then_deg;
-    const bool known = told_at(gimbal, axis, status->time_us, &now_deg);
+    const bool known = told_at(gimbal, axis, at_us, &now_deg);
     if (!at->measured_known) {
         return known ? now_deg : degrees(at->setpoint_q48);
     }
@@ -39,13 +39,16 @@ static double where(const struct gimbal_pose *gimbal, const struct controller_st
 }
 
 struct camera_pose gimbal_pose_tick(struct gimbal_pose *gimbal,
-                                    const struct controller_status *status) {
+                                    const struct controller_status *status, uint64_t at_us) {
     const struct camera_pose told = {.pan_deg = degrees(status->axis[AXIS_PAN].setpoint_q48),
                                      .tilt_deg = degrees(status->axis[AXIS_TILT].setpoint_q48)};
-    pose_history_add(&gimbal->setpoints, (uint32_t)status->time_us, &told);
+    if (gimbal->setpoints.count == 0U || gimbal->told_us != status->time_us) {
+        pose_history_add(&gimbal->setpoints, (uint32_t)status->time_us, &told);
+    }
+    gimbal->told_us = status->time_us;
     const double focal_mm =
         status->focal_um != 0U ? (double)status->focal_um * 1e-3 : gimbal->fixed_focal_mm;
-    return (struct camera_pose){.pan_deg = where(gimbal, status, AXIS_PAN),
-                                .tilt_deg = where(gimbal, status, AXIS_TILT),
+    return (struct camera_pose){.pan_deg = where(gimbal, status, AXIS_PAN, at_us),
+                                .tilt_deg = where(gimbal, status, AXIS_TILT, at_us),
                                 .zoom = focal_mm / gimbal->model_focal_mm};
 }

@@ -20,15 +20,17 @@ struct gimbal_pose {
     double model_focal_mm;  ///< what the camera's model was calibrated at
     // Private from here on.
     struct pose_history setpoints; ///< at times of the controller
+    uint64_t told_us;              ///< of the newest
 };
 
 void gimbal_pose_init(struct gimbal_pose *gimbal, const struct controller_config *config,
                       double fixed_focal_mm, double model_focal_mm);
 
-/// After each tick. Returns the pose at status->time_us.
+/// After each tick. Returns the pose at_us, a time of the controller, from status->time_us to a few
+/// ticks later.
 /// Accuracy: that of latency_us times the acceleration of the axis; exact at steady speed
 ///           (tests/scenario/test_gimbal_pose.c).
 struct camera_pose gimbal_pose_tick(struct gimbal_pose *gimbal,
-                                    const struct controller_status *status);
+                                    const struct controller_status *status, uint64_t at_us);
 
 #endif

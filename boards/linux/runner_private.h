@@ -1,0 +1,25 @@
+/// The parts of a runner: runner.c has the loop, runner_rig.c the rig. For them only.
+#ifndef LINUX_RUNNER_PRIVATE_H
+#define LINUX_RUNNER_PRIVATE_H
+
+#include "runner.h"
+
+/// To the person on stderr and to the log.
+void runner_tell(struct runner *runner, bool severe, const char *event, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/// Controller and devices of runner->rig.
+enum exit_status runner_build(struct runner *runner);
+void runner_dismantle(struct runner *runner);
+
+/// Does time pass as fast as it can? A real camera would not keep up.
+bool runner_is_hurried(const struct runner *runner);
+
+/// SIGHUP: reads the file again. Where only its camera differs that is changed at once; else all
+/// comes to rest, and then runner_finish_reload is due. A file that can't be used changes nothing.
+void runner_begin_reload(struct runner *runner);
+/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
+enum exit_status runner_finish_reload(struct runner *runner);
+void runner_forget_camera_rigs(struct runner *runner);
+
+#endif

@@ -1,0 +1,195 @@
+#include "runner_private.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+/// To the person on stderr and to the log.
+void runner_tell(struct runner *runner, bool severe, const char *event, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    message_command(runner->settings.command, "%s", text);
+    run_log_event(&runner->log, severe, event, "%s", text);
+}
+
+// ---------------------------------------------------------------- the rig
+
+static enum exit_status build_fakes(struct runner *runner) {
+    const struct sim_config config = {.controller = &runner->rig.controller,
+                                      .schedule = &runner->schedule,
+                                      .seed = 1,
+                                      .fixed_focal_mm = runner->rig.fixed_focal_mm};
+    runner->sim = sim_create(&config);
+    if (runner->sim == NULL) {
+        message_command(runner->settings.command, "no memory for the simulated devices");
+        return EXIT_STATUS_FAILURE;
+    }
+    runner->controller = &runner->sim->controller;
+    runner->pump = &runner->sim->pump;
+    return EXIT_STATUS_OK;
+}
+
+static enum exit_status build_devices(struct runner *runner) {
+    const enum exit_status status = rig_devices_open(&runner->devices, &runner->rig);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    runner->devices_open = true;
+    runner->controller = &runner->real_controller;
+    runner->pump = &runner->real_pump;
+    if (!controller_init(runner->controller, &runner->rig.controller) ||
+        !pump_init(runner->pump, runner->controller, &runner->devices.pump)) {
+        message_at(runner->rig.ini.file, 0, "the controller can't work with these settings");
+        return EXIT_STATUS_USAGE;
+    }
+    return EXIT_STATUS_OK;
+}
+
+static bool has_fake_camera(const struct rig *rig) {
+    struct stage_camera_address address;
+    return stage_camera_parse(rig->camera.device, &address);
+}
+
+/// Does time pass as fast as it can? A real camera would not keep up.
+bool runner_is_hurried(const struct runner *runner) {
+    return runner->settings.hurry && runner->sim != NULL &&
+           (runner->rig.camera.device[0] == '\0' || has_fake_camera(&runner->rig));
+}
+
+/// Controller and devices of runner->rig.
+enum exit_status runner_build(struct runner *runner) {
+    runner->rig.controller.arm_on_start =
+        runner->rig.controller.arm_on_start || runner->settings.arm;
+    runner->told_mode = MODE_STARTING;
+    runner->told_faults = 0;
+    runner->capacity = (struct capacity){0};
+    runner->starting_since_us = event_loop_now_us();
+    const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    const enum exit_status built =
+        rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
+    if (built != EXIT_STATUS_OK) {
+        return built;
+    }
+    // What is simulated has the simulator's time, and a real camera the computer's.
+    const struct hal_clock *clock = runner->sim != NULL && has_fake_camera(&runner->rig)
+                                        ? &runner->sim->clock
+                                        : &runner->clock.hal;
+    return camera_source_open(&runner->camera, &runner->rig, clock, runner_is_hurried(runner));
+}
+
+void runner_dismantle(struct runner *runner) {
+    camera_source_close(&runner->camera);
+    rig_lines_close(&runner->lines);
+    if (runner->devices_open) {
+        rig_devices_close(&runner->devices);
+        runner->devices_open = false;
+    }
+    sim_destroy(runner->sim);
+    runner->sim = NULL;
+}
+
+// ---------------------------------------------------------------- another rig file
+
+/// The file's [camera] as it is in use.
+static const struct rig *camera_rig(const struct runner *runner) {
+    return runner->camera_reloads == 0U ? &runner->rig
+                                        : &runner->camera_rig[(runner->camera_reloads - 1U) % 2U];
+}
+
+void runner_forget_camera_rigs(struct runner *runner) {
+    rig_free(&runner->camera_rig[0]);
+    rig_free(&runner->camera_rig[1]);
+    runner->camera_reloads = 0;
+}
+
+/// What of [camera] the controller goes by.
+static bool same_optics(const struct rig *a, const struct rig *b) {
+    const struct lens_config *x = &a->controller.lens, *y = &b->controller.lens;
+    return x->sensor_width_um == y->sensor_width_um && x->sensor_height_um == y->sensor_height_um &&
+           x->margin_q16 == y->margin_q16 && a->controller.frame == b->controller.frame &&
+           a->fixed_focal_mm == b->fixed_focal_mm;
+}
+
+/// Is the rig that was read the same but for its camera? Where nothing at all has changed, all
+/// begins anew. A camera of the simulator and a real one have different clocks: they don't take
+/// each other's place.
+static bool changes_only_camera(const struct runner *runner) {
+    const struct rig *now = camera_rig(runner), *next = &runner->next_rig;
+    const bool one_clock = runner->sim == NULL || now->camera.device[0] == '\0' ||
+                           next->camera.device[0] == '\0' ||
+                           has_fake_camera(now) == has_fake_camera(next);
+    return one_clock && same_optics(now, next) && ini_same_but(&now->ini, &next->ini, "camera") &&
+           !ini_same_but(&now->ini, &next->ini, NULL);
+}
+
+/// Drives, lines and controller go on as they are; the camera is let go of and opened in the
+/// background.
+static void reload_camera(struct runner *runner) {
+    if (camera_source_is_changing(&runner->camera)) {
+        runner_tell(runner, true, "reload", "%s is not used yet: the camera is just being changed",
+                    runner->settings.rig_file);
+        rig_free(&runner->next_rig);
+        return;
+    }
+    struct rig *rig = &runner->camera_rig[runner->camera_reloads++ % 2U];
+    rig_free(rig); // of the camera before the one in use
+    *rig = runner->next_rig;
+    memset(&runner->next_rig, 0, sizeof runner->next_rig);
+    runner->reloads++;
+    runner_tell(runner, false, "reload", "%s is read again: only the camera changes",
+                runner->settings.rig_file);
+    camera_source_change(&runner->camera, rig);
+}
+
+void runner_begin_reload(struct runner *runner) {
+    if (runner->reloading || runner->stopping) {
+        return;
+    }
+    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK) {
+        runner_tell(runner, true, "reload", "%s is not used: the rig stays as it was",
+                    runner->settings.rig_file);
+        rig_free(&runner->next_rig);
+        return;
+    }
+    if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
+        runner_tell(runner, true, "reload",
+                    "tick_us can't change while it runs: the rig stays as it was");
+        rig_free(&runner->next_rig);
+        return;
+    }
+    if (changes_only_camera(runner)) {
+        reload_camera(runner);
+        return;
+    }
+    runner->reloading = true;
+    pump_command(runner->pump, COMMAND_STOP);
+}
+
+/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
+enum exit_status runner_finish_reload(struct runner *runner) {
+    runner_dismantle(runner);
+    rig_free(&runner->rig);
+    runner_forget_camera_rigs(runner);
+    runner->rig = runner->next_rig;
+    memset(&runner->next_rig, 0, sizeof runner->next_rig);
+    runner->reloading = false;
+    runner->reloads++;
+    // The controller has forgotten its targets; a recording has them, a live stream sends new ones.
+    if (runner->has_source && runner->source.is_recording) {
+        target_source_close(&runner->source);
+        runner->has_source = target_source_open(&runner->source, runner->settings.targets);
+        runner->source_since_ticks = runner->loop.ticks;
+    }
+    runner_tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
+    const enum exit_status status = runner_build(runner);
+    if (status == EXIT_STATUS_OK && !camera_source_watch(&runner->camera, &runner->loop)) {
+        message_command(runner->settings.command, "no room in the event loop");
+        return EXIT_STATUS_FAILURE;
+    }
+    return status;
+}
