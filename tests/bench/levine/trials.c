@@ -40,32 +40,63 @@ static void without_heuristic(bool few) {
     }
 }
 
-/// How many of the worst kind have no sphere by other points than the 26th.
+/// How many of the worst kind have no sphere by other points than the 26th. Twice, with other sets,
+/// to see how much is chance.
 static void by_limit(void) {
     static const uint32_t limits[] = {22, 24, 26, 28, 30, 32};
-    uint32_t none[sizeof limits / sizeof *limits] = {0};
     const uint32_t count = levine_count(5);
     levine_table("sphere-limit");
-    for (uint32_t i = 0; i < LEVINE_CASES; i++) {
-        struct solid_sphere s;
-        cloud_draw(CLOUD_SPHERE1, count, i, points);
-        const bool found =
-            search_sphere(points, count, SOLID_SPHERE_SHARPEST_FIRST, 32, &s) == SOLID_SPHERE_OK;
-        const uint32_t last = found ? s.place[s.support_count - 1U] : UINT32_MAX;
-        for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
-            // A sphere of three is tried when the next point comes up.
-            none[k] += !found || last + (s.support_count == 3U) >= limits[k] ? 1U : 0U;
+    for (uint32_t first = 0; first <= LEVINE_CASES; first += LEVINE_CASES) {
+        uint32_t none[sizeof limits / sizeof *limits] = {0};
+        for (uint32_t i = first; i < first + LEVINE_CASES; i++) {
+            struct solid_sphere s;
+            cloud_draw(CLOUD_SPHERE1, count, i, points);
+            const bool found = search_sphere(points, count, SOLID_SPHERE_SHARPEST_FIRST, 32, &s) ==
+                               SOLID_SPHERE_OK;
+            const uint32_t last = found ? s.place[s.support_count - 1U] : UINT32_MAX;
+            for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
+                // A sphere of three is tried when the next point comes up.
+                none[k] += !found || last + (s.support_count == 3U) >= limits[k] ? 1U : 0U;
+            }
         }
+        printf("| %s %u, cases %u to %u |", cloud_name(CLOUD_SPHERE1), count, first + 1U,
+               first + LEVINE_CASES);
+        for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
+            levine_cell(100.0 * none[k] / LEVINE_CASES);
+        }
+        printf("\n");
     }
-    printf("| %s %u |", cloud_name(CLOUD_SPHERE1), count);
-    for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
-        levine_cell(100.0 * none[k] / LEVINE_CASES);
+}
+
+/// The default methods beside the thesis', at a size that all kinds have: tests a point.
+static void by_method(bool few) {
+    static uint32_t workspace[SOLID_SPHERE_WORKSPACE_BYTES(LEVINE_COUNT_MOST) / sizeof(uint32_t)];
+    const uint32_t count = levine_count(5), cases = 100;
+    levine_table("methods");
+    for (int k = 0; k < (few ? 1 : CLOUD_COUNT); k++) {
+        double levine = 0, caps = 0, pivot = 0, pivots = 0;
+        for (uint32_t i = 0; i < cases; i++) {
+            struct solid_sphere s;
+            cloud_draw((enum cloud)k, count, i, points);
+            levine += (double)search_hull(points, count, SOLID_HULL_LEVINE).side_tests;
+            caps += (double)search_hull(points, count, SOLID_HULL_CAPS).side_tests;
+            CHECK_EQ(solid_sphere_find(points, count, workspace, sizeof workspace, &s),
+                     SOLID_SPHERE_OK);
+            pivot += (double)s.point_tests;
+            pivots += (double)s.pivots;
+        }
+        printf("| %s | %u | %u |", cloud_name((enum cloud)k), count, cases);
+        levine_cell(levine / cases / count);
+        levine_cell(caps / cases / count);
+        levine_cell(pivot / cases / count);
+        levine_cell(pivots / cases);
+        printf("\n");
     }
-    printf("\n");
 }
 
 void levine_trials(bool few) {
     without_heuristic(few);
+    by_method(few);
     if (!few) {
         by_limit();
     }
