@@ -6,9 +6,11 @@
 
 #define CREEP_DPS       10.0   ///< toward an end
 #define BEHIND_DEG      0.7    ///< an axis so far behind while it creeps has met something ...
-#define BEHIND_US       40000U ///< ... if it lasts
-#define END_MARGIN_DEG  2.0    ///< from what stops it
-#define BACK_DEG        5.0    ///< away from it at once
+#define STUCK_US        60000U ///< ... if it comes no further for so long ...
+#define STUCK_LOOKS     4U     ///< ... by that many measurements: it may be the machine that paused
+#define HEADWAY_DEG     0.02
+#define END_MARGIN_DEG  2.0 ///< from what stops it
+#define BACK_DEG        5.0 ///< away from it at once
 #define ARRIVED_DEG     0.1
 #define ARRIVED_US      200000U
 #define PATIENCE_US     20000000U
@@ -140,13 +142,34 @@ static bool lead_back(struct calibrate *c, unsigned axis, double deg) {
     return (is_tracking(c) || arm(c)) && go(c, axis, deg, &took_s);
 }
 
+/// How far an axis came on its way, and since when it is there.
+struct headway {
+    double most;
+    uint64_t since_us, seen_us;
+    uint32_t looks; ///< ticks with a new measurement since then
+};
+
+/// A rig that is slow to answer is behind, too, but comes nearer.
+static bool is_stuck(const struct calibrate *c, unsigned axis, double way,
+                     struct headway *headway) {
+    const uint64_t seen_us = c->runner.controller->drive[axis].position_us;
+    const double at_deg = measured(c, axis);
+    headway->looks += seen_us != headway->seen_us ? 1U : 0U;
+    headway->seen_us = seen_us;
+    if (headway->since_us == 0U || way * at_deg > headway->most + HEADWAY_DEG ||
+        way * (setpoint(c, axis) - at_deg) < BEHIND_DEG) {
+        *headway = (struct headway){way * at_deg, now_us(c), seen_us, 0};
+    }
+    return headway->looks >= STUCK_LOOKS && now_us(c) - headway->since_us >= STUCK_US;
+}
+
 /// Creeps toward an end. side: 0 low, 1 high.
 static bool find_end(struct calibrate *c, unsigned axis, unsigned side, double limit_deg) {
     struct calibrate_axis *result = &c->axis[axis];
     const double way = side == 0U ? -1.0 : 1.0;
     const double tick_s = (double)c->runner.rig.controller.tick_us * 1e-6;
     double aim_deg = measured(c, axis);
-    uint64_t behind_us = 0;
+    struct headway headway = {0};
     c->runner.pressed = NULL;
     for (;;) {
         aim_deg += way * CREEP_DPS * tick_s;
@@ -155,9 +178,8 @@ static bool find_end(struct calibrate *c, unsigned axis, unsigned side, double l
         if (!tick(c)) {
             return false;
         }
-        const double at_deg = measured(c, axis), behind = fabs(setpoint(c, axis) - at_deg);
-        behind_us = behind < BEHIND_DEG ? 0U : behind_us != 0U ? behind_us : now_us(c);
-        const bool stopped = behind_us != 0U && now_us(c) - behind_us >= BEHIND_US;
+        const double at_deg = measured(c, axis);
+        const bool stopped = is_stuck(c, axis, way, &headway);
         const bool pressed = c->runner.pressed != NULL;
         if (stopped || pressed || !is_tracking(c)) {
             if (!stopped && !pressed) {
@@ -196,6 +218,9 @@ static bool find_ends(struct calibrate *c, unsigned axis, const double limit_deg
     for (unsigned side = 0; side < 2U; side++) {
         if (!find_end(c, axis, side, limit_deg[side])) {
             return false;
+        }
+        if (c->axis[axis].end_deg[0] >= c->axis[axis].end_deg[1]) {
+            return give_up(c, axis, "has no room between its ends");
         }
         const double back = clamp(middle, c->axis[axis].end_deg[0], c->axis[axis].end_deg[1]);
         if (!go(c, axis, back, &took_s)) {

@@ -5,12 +5,14 @@
 /// switches and the emergency stop of the rig file hold. Only axes that measure their position can
 /// be measured.
 /// - Ends: the aim creeps toward each limit of the file. A switch that is pressed, or an axis that
-///   stays behind, is the end; the axis is led back at once.
+///   stays behind and comes no further, is the end; the axis is led back at once. (Behind alone is
+///   also a rig that is slow to answer.)
 /// - Moves: CALIBRATE_MOVES amplitudes within the ends, each there and back; the time from the new
 ///   aim to where the axis stays within 0.1 degree of it, the longer of the two.
 /// - Latency: how long after the setpoint the axis is at the same place, the median over the fast
 ///   part of the longest move.
-/// Shown: tests/cli/calibrate.sh (against the simulator's drives, whose ends and lag are known).
+/// Shown: tests/cli/calibrate.sh (against the simulator's drives, whose ends and lag are known),
+/// tests/vm/guest/calibrate.sh (the same over SocketCAN, on a machine that pauses).
 #ifndef LINUX_CALIBRATE_H
 #define LINUX_CALIBRATE_H
 
