@@ -60,17 +60,16 @@ $(B)/boards/$(1)/%/boresight.elf: $(B)/boards/$(1)/%/rig.o $$($(1)_o) boards/$(1
 	    -o $$@ $$(filter %.o,$$^) -lgcc
 endef
 
-# $(1): a board with `x_scene := yes`. The same image with a scene in flash, from SCENE=FILE.scene or FILE.coca, in build/boards/x/scene/.
+# $(1): a board with `x_scene := yes`. The same image with a scene in flash, in build/boards/x/$(2)/: from the file $(3), for the rig whose
+# settings are in $(4).
 define scene_rules
-$(1)_scene_files := $(foreach i,elf bin hex,$(B)/boards/$(1)/scene/boresight.$(i))
-
-$(B)/boards/$(1)/scene/block.coca: $(or $(SCENE),$(B)/boards/park.scene) $(B)/boresight
+$(B)/boards/$(1)/$(2)/block.coca: $(3) $(B)/boresight
 	@mkdir -p $$(@D)
-	case $$< in *.coca) cp $$< $$@ ;; *) $(B)/boresight scene build --points $$< -o $$@ ;; esac
-$(B)/boards/$(1)/scene/block.o: $(B)/boards/$(1)/scene/block.coca
+	case $$< in *.coca) cp $$< $$@ ;; *) $(B)/boresight scene build $$< -o $$@ ;; esac
+$(B)/boards/$(1)/$(2)/block.o: $(B)/boards/$(1)/$(2)/block.coca
 	printf '%s\n' '.section .rodata.scene, "a"' '.balign 4' '.global scene_block, scene_block_end' 'scene_block:' \
 	    '.incbin "$$<"' 'scene_block_end:' | arm-none-eabi-as -mcpu=$($(1)_cpu) -o $$@
-$(B)/boards/$(1)/scene/boresight.elf: $(B)/boards/$(1)/scene/block.o $(B)/boards/$(1)/rig.o $(B)/boards/$(1)/obj/boards/$(1)/scene/flash.o \
+$(B)/boards/$(1)/$(2)/boresight.elf: $(B)/boards/$(1)/$(2)/block.o $(4) $(B)/boards/$(1)/obj/boards/$(1)/scene/flash.o \
     $$(filter-out %/scene/none.o,$$($(1)_o)) boards/$(1)/scene/scene.ld boards/$(1)/memory.ld boards/sections.ld
 	$$(say) LD $$@
 	$(board_cc) $(board_link) -mcpu=$($(1)_cpu) -T boards/$(1)/scene/scene.ld -Wl,-Map=$$(@:.elf=.map) \
@@ -84,7 +83,9 @@ $(B)/boards/park.scene: tests/mcu/cpu/park.awk
 
 write_rig = $(B)/boresight config c $(1) >$(2).new && if cmp -s $(2).new $(2); then rm $(2).new; else mv $(2).new $(2); fi
 $(foreach b,$(mcu_boards),$(eval $(call board_rules,$(b))))
-$(foreach b,$(scene_boards),$(eval $(call scene_rules,$(b))))
+# From SCENE=FILE.scene or FILE.coca.
+$(foreach b,$(scene_boards),$(eval $(b)_scene_files := $(foreach i,elf bin hex,$(B)/boards/$(b)/scene/boresight.$(i))) \
+    $(eval $(call scene_rules,$(b),scene,$(or $(SCENE),$(B)/boards/park.scene),$(B)/boards/$(b)/rig.o)))
 
 $(B)/boards/%.bin: $(B)/boards/%.elf
 	arm-none-eabi-objcopy -O binary $< $@

@@ -3,7 +3,11 @@
 #define COMPILED_RIG_H
 
 #include "control/controller.h"
+#include "target/occlusion.h"
 
 extern const struct controller_config compiled_rig;
+
+/// What targets count that a scene in flash hides; OCCLUSION_IGNORE: the rig does not say.
+extern const struct occlusion_settings compiled_occlusion;
 
 #endif

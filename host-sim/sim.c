@@ -215,7 +215,7 @@ static void feed(struct sim *sim) {
         sim->next_item++;
     }
     move_targets(sim);
-    sim_world_step(sim, give_controller);
+    sim_world_step(sim);
     while (sim->next_command < sim->config.command_count &&
            sim->config.commands[sim->next_command].at_us <= sim->time_us) {
         const struct sim_command *next = &sim->config.commands[sim->next_command++];
@@ -295,6 +295,7 @@ void sim_step(struct sim *sim) {
         board->run(board->context, (sim->time_us + tick_us) * 1000U);
     } else {
         pump_step(&sim->pump);
+        sim_world_heard(sim);
         look_at_step(sim);
     }
     drive_servos(sim);

@@ -9,13 +9,13 @@
 #define SIM_H
 
 #include "app/pump.h"
+#include "app/pump_occlusion.h"
 #include "devices/bus_node_hal.h"
 #include "devices/can_bus.h"
 #include "devices/pwm_servo.h"
 #include "devices/rmd_drive.h"
 #include "plant/axis_plant.h"
 #include "replay/recording.h"
-#include "target/occlusion.h"
 #include "world/schedule.h"
 
 #include <stdbool.h>
@@ -50,10 +50,10 @@ struct sim_board {
 };
 
 /// Solids between the camera and its targets, in groups that move alike. What the controller hears
-/// goes through occlusion first.
+/// goes through occlusion first: in the pump, or before a board hears of it. With OCCLUSION_IGNORE
+/// they stand in the pictures and hide nothing.
 struct sim_obstacles {
     struct occlusion_config occlusion;
-    bool ignored; ///< they stand in the pictures and hide nothing
     uint32_t group_count;
     struct {
         double start_m[3], velocity_mps[3];
@@ -111,6 +111,7 @@ struct sim_summary {
     uint64_t trace_hash;
     double aim_error_rms_deg, aim_error_p99_deg, aim_error_max_deg;
     double in_frame_percent; ///< of all (target, moment) pairs while tracking
+    double hidden_percent;   ///< of all looks at what hides targets
     double settle_s;         ///< mean time from a jump of the aim (or arming) to settled
     uint64_t settle_count;
     double bus_load_percent;
@@ -194,6 +195,7 @@ struct sim {
     struct sim_measure measure;
     struct occlusion occlusion;
     void *occlusion_workspace; ///< NULL: none
+    struct pump_occlusion hiding;
 };
 
 // ---------------------------------------------------------------- use
@@ -242,6 +244,9 @@ struct vec3_i64 sim_group_offset_um(const struct sim_obstacles *obstacles, uint3
 double sim_joint_deg(const struct sim *sim, unsigned axis);
 
 struct sim_summary sim_summarise(struct sim *sim);
+
+/// Of all looks at targets, how many found one hidden as a whole.
+double sim_hidden_percent(const struct occlusion *occlusion);
 
 uint64_t sim_violation_count(const struct sim_violations *violations);
 const char *sim_invariant_name(enum sim_invariant invariant);

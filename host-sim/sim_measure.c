@@ -170,6 +170,12 @@ static int compare_doubles(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+double sim_hidden_percent(const struct occlusion *occlusion) {
+    return occlusion->looked_total == 0U
+               ? 0.0
+               : 100.0 * (double)occlusion->hidden_total / (double)occlusion->looked_total;
+}
+
 struct sim_summary sim_summarise(struct sim *sim) {
     struct sim_measure *measure = &sim->measure;
     struct sim_summary summary = {.seconds = (double)sim->time_us * 1e-6,
@@ -177,6 +183,7 @@ struct sim_summary sim_summarise(struct sim *sim) {
                                   .steps = sim->tick,
                                   .trace_hash = sim->hash,
                                   .settle_count = measure->settle_count,
+                                  .hidden_percent = sim_hidden_percent(&sim->occlusion),
                                   .violations = sim->violations,
                                   .errors = sim->pump.errors};
     double squares = 0.0;

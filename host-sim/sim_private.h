@@ -22,11 +22,13 @@ void sim_check_frame(struct sim *sim, const struct can_transfer *transfer);
 
 /// The obstacles. False: no memory, or their settings are out of range.
 bool sim_world_init(struct sim *sim);
-/// Keeps a report of a target for the next frame. False: the controller hears of it as it is.
+/// Keeps a report of a target for the next frame, where a board is the controller. False: it hears
+/// of it as it is.
 bool sim_world_take(struct sim *sim, const struct target_update *update);
-/// Moves the obstacles, and gives out the updates of a frame when one is due.
-void sim_world_step(struct sim *sim,
-                    bool give(struct sim *sim, const struct target_update *update));
+/// Moves the obstacles, and gives a board the updates of a frame when one is due.
+void sim_world_step(struct sim *sim);
+/// After a step of the controller here: what it heard of the targets is what the policy asks for.
+void sim_world_heard(struct sim *sim);
 
 void sim_measure_init(struct sim *sim);
 /// Applies an update, as it really is, to the truth.

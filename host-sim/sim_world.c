@@ -5,13 +5,19 @@
 
 bool sim_world_init(struct sim *sim) {
     const struct sim_obstacles *const obstacles = sim->config.obstacles;
-    if (obstacles == NULL || obstacles->ignored) {
+    if (obstacles == NULL || obstacles->occlusion.settings.policy == OCCLUSION_IGNORE) {
         return true;
     }
     const size_t bytes = occlusion_workspace_bytes(obstacles->occlusion.shapes);
     sim->occlusion_workspace = malloc(bytes + 8U);
-    return sim->occlusion_workspace != NULL &&
-           occlusion_init(&sim->occlusion, &obstacles->occlusion, sim->occlusion_workspace, bytes);
+    if (sim->occlusion_workspace == NULL ||
+        !occlusion_init(&sim->occlusion, &obstacles->occlusion, sim->occlusion_workspace, bytes)) {
+        return false;
+    }
+    if (sim->config.board == NULL) {
+        pump_occlusion_attach(&sim->hiding, &sim->pump, &sim->occlusion, true);
+    }
+    return true;
 }
 
 /// To whole micrometres, half away from zero.
@@ -30,13 +36,13 @@ struct vec3_i64 sim_group_offset_um(const struct sim_obstacles *obstacles, uint3
 }
 
 bool sim_world_take(struct sim *sim, const struct target_update *update) {
-    return sim->occlusion_workspace != NULL &&
+    return sim->occlusion_workspace != NULL && sim->config.board != NULL &&
            occlusion_report(&sim->occlusion, update, sim->time_us);
 }
 
-void sim_world_step(struct sim *sim,
-                    bool give(struct sim *sim, const struct target_update *update)) {
+void sim_world_step(struct sim *sim) {
     struct target_update update;
+    const struct sim_board *const board = sim->config.board;
     if (sim->occlusion_workspace == NULL) {
         return;
     }
@@ -46,11 +52,23 @@ void sim_world_step(struct sim *sim,
         occlusion_move(&sim->occlusion, g, sim_group_offset_um(obstacles, g, sim->time_us),
                        (struct vec3_i64){to_um(v[0]), to_um(v[1]), to_um(v[2])}, sim->time_us);
     }
-    if (!occlusion_step(&sim->occlusion, sim->time_us)) {
+    if (board == NULL) {
+        pump_occlusion_step(&sim->hiding, &sim->pump);
         return;
     }
+    occlusion_step(&sim->occlusion, sim->time_us, true);
     while (occlusion_next(&sim->occlusion, &update)) {
-        (void)give(sim, &update); // a full queue is counted by the pump
+        (void)board->push(board->context, &update); // a full queue is counted by the pump
         (void)!target_set_apply(&sim->measure.truth, &update, sim->time_us);
+    }
+}
+
+void sim_world_heard(struct sim *sim) {
+    const struct controller_input *const input = &sim->pump.input;
+    if (sim->occlusion_workspace == NULL || sim->config.board != NULL) {
+        return;
+    }
+    for (uint32_t i = 0; i < input->update_count; i++) {
+        (void)!target_set_apply(&sim->measure.truth, &input->update[i], sim->time_us);
     }
 }

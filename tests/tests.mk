@@ -40,7 +40,7 @@ $(foreach v,gcc san,$(B)/check/$(v)/tests/cli/stars.log): $(B)/boresight
 $(foreach d,script script-san,$(foreach t,drive camera_loop,$(B)/check/$(d)/tests/cli/$(t).log)): $(foreach v,$(variants),$(B)/$(v)/boresight)
 
 $(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t).log): \
-    $(foreach r,/hobby /moving /watch /slew /objects,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(B)/boards/stm32f405/scene/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)
+    $(foreach r,/hobby /moving /watch /slew /objects,$(B)/boards/stm32f405$(r)/boresight.elf) $(B)/boards/stm32f405/boresight.elf $(B)/boards/stm32f405/scene/boresight.elf $(B)/boards/stm32f405/hidden/boresight.elf $(guests) $(if $(unicorn),$(B)/boresight-mcu)
 $(B)/check/script/tests/mcu/cpu/layout.log: $(B)/gcc/tests/mcu/layout
 $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/exceptions
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight

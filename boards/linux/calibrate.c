@@ -352,8 +352,12 @@ static bool measure(struct calibrate *c, bool with_ends) {
 
 enum exit_status calibrate_run(struct calibrate *c, const char *command, const char *rig_file,
                                bool with_ends) {
-    const struct runner_settings settings = {
-        .command = command, .rig_file = rig_file, .arm = true, .stay = true, .hurry = true};
+    const struct runner_settings settings = {.command = command,
+                                             .rig_file = rig_file,
+                                             .see_through = true,
+                                             .arm = true,
+                                             .stay = true,
+                                             .hurry = true};
     enum exit_status status = runner_start(&c->runner, &settings);
     if (status != EXIT_STATUS_OK) {
         return status;

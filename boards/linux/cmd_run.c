@@ -10,13 +10,15 @@
 extern const char build_id[];
 
 struct settings {
-    const char *targets, *seconds, *state, *log;
+    const char *targets, *seconds, *state, *log, *scene;
     bool arm, stay, json;
 };
 
 static const struct option options[] = {
     {"--targets", "FILE|-", "target stream, JSON lines (default: none)", option_text,
      offsetof(struct settings, targets), NULL},
+    {"--scene", "FILE", "its solids hide targets, instead of the scene that the rig file names",
+     option_text, offsetof(struct settings, scene), NULL},
     {"--seconds", "S", "stop after this time (default: when interrupted)", option_text,
      offsetof(struct settings, seconds), NULL},
     {"--state", "S", "print a line of JSON every S seconds: where the rig is", option_text,
@@ -58,6 +60,12 @@ static void add_by_kind(struct facts *facts, struct runner *runner) {
     facts_bool(facts, "locked_memory", runner->realtime.memory);
 }
 
+static double hidden_percent(const struct runner *runner) {
+    return runner->hiding == NULL ? 0.0
+           : runner->sim != NULL  ? sim_hidden_percent(&runner->sim->occlusion)
+                                  : sim_hidden_percent(&runner->hiding->occlusion);
+}
+
 static void print_summary(const struct settings *settings, struct runner *runner) {
     const struct linux_jitter *jitter = &runner->loop.jitter;
     struct facts facts;
@@ -76,6 +84,7 @@ static void print_summary(const struct settings *settings, struct runner *runner
     facts_u64(&facts, "bad_lines", runner->has_source ? runner->source.bad_lines : 0U);
     facts_u64(&facts, "updates_rejected", runner->controller->updates_rejected);
     facts_u64(&facts, "reloads", runner->reloads);
+    facts_fixed(&facts, "hidden_percent", hidden_percent(runner), 2);
     facts_u64(&facts, "log_dropped", runner->log.dropped);
     if (runner->settings.state_us != 0U) {
         facts_u64(&facts, "states_dropped", runner->states_dropped);
@@ -111,12 +120,13 @@ static enum exit_status drive_board(const struct command *command, const struct 
     }
     enum exit_status status = EXIT_STATUS_USAGE;
     if (settings->targets == NULL || target_source_open(source, settings->targets)) {
-        const struct run_board_options board = {.source = settings->targets != NULL ? source : NULL,
-                                                .limit_us = limit_us,
-                                                .arm =
-                                                    rig->controller.arm_on_start || settings->arm,
-                                                .json = settings->json,
-                                                .interrupted = &interrupted};
+        const struct run_board_options board = {
+            .source = settings->targets != NULL ? source : NULL,
+            .limit_us = limit_us,
+            .scene = settings->scene != NULL ? settings->scene : rig->scene,
+            .arm = rig->controller.arm_on_start || settings->arm,
+            .json = settings->json,
+            .interrupted = &interrupted};
         status = run_board(command, rig, &board);
         target_source_close(source);
     }
@@ -137,6 +147,7 @@ static enum exit_status drive_devices(const struct command *command,
                                             .rig_file = file,
                                             .targets = settings->targets,
                                             .log = settings->log,
+                                            .scene = settings->scene,
                                             .limit_us = limit_us,
                                             .state_us = state_us,
                                             .arm = settings->arm,
@@ -195,6 +206,9 @@ const struct command command_run = {
         "opened again, and SIGUSR1 arms it.\n\n"
         "With device = ... in [camera] the targets are what the detectors find in the frames of\n"
         "that camera, besides those of the stream.\n\n"
+        "With --scene, or scene = FILE in [occlusion], targets hidden behind the solids and faces "
+        "of\n"
+        "that scene do not count, or count less, as policy = ... in [occlusion] has it.\n\n"
         "With board = serial:DEVICE in [controller] a flashed board drives the rig, and this\n"
         "program sends it the targets.\n\n"
         "A rig whose devices are all fakes is simulated in real time. Real devices get real-time\n"
@@ -203,6 +217,7 @@ const struct command command_run = {
         "  late_us_*      how late the ticks came: half of them at most, 99 %, 99.9 %, the latest\n"
         "  edge_late_us_* the same of servo pulses and steps that come from GPIO lines\n"
         "  missed_ticks   due while an earlier one was worked on\n"
+        "  hidden_percent of all looks at targets, how many found one hidden as a whole\n"
         "  pan_deg ...    where the axes are\n"
         "  camera_*       frames that came, that were lost on the way (by their numbers)\n"
         "  detected_*     frames that were looked at; those that were not, because the one before\n"

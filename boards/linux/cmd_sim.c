@@ -188,6 +188,7 @@ static void print_summary(const struct settings *settings, const struct run *run
     facts_fixed(&facts, "aim_error_p99_deg", summary->aim_error_p99_deg, 5);
     facts_fixed(&facts, "aim_error_max_deg", summary->aim_error_max_deg, 5);
     facts_fixed(&facts, "in_frame_percent", summary->in_frame_percent, 2);
+    facts_fixed(&facts, "hidden_percent", summary->hidden_percent, 2);
     facts_fixed(&facts, "settle_s", summary->settle_s, 3);
     facts_fixed(&facts, "bus_load_percent", summary->bus_load_percent, 2);
     facts_u64(&facts, "faults_injected",
@@ -426,6 +427,7 @@ const struct command command_sim = {
         "  aim_error_*_deg    between camera and optimal axis, once the aim has settled (below\n"
         "                     0.1 degree) and until it jumps by more than 5 degrees\n"
         "  in_frame_percent   of all targets at all times while tracking\n"
+        "  hidden_percent     of all looks at what hides targets, how many found one hidden\n"
         "  settle_s           mean time from a jump of the aim until it has settled\n"
         "  times_real_time    simulated time by elapsed time\n\n"
         "With --serve no controller runs here: the scenario's drives and their physics sit on a\n"

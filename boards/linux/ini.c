@@ -272,3 +272,14 @@ enum exit_status ini_read(const char *path, struct ini *out) {
     lines_close(&lines);
     return status;
 }
+
+const char *ini_beside(struct ini *ini, const char *path) {
+    const char *const slash = strrchr(ini->file, '/');
+    if (path[0] == '/' || slash == NULL) {
+        return path;
+    }
+    char joined[4096];
+    const int size =
+        snprintf(joined, sizeof joined, "%.*s/%s", (int)(slash - ini->file), ini->file, path);
+    return size < 0 || (size_t)size >= sizeof joined ? path : ini_keep(ini, joined, (size_t)size);
+}

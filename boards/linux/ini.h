@@ -69,6 +69,10 @@ bool ini_same_but(const struct ini *a, const struct ini *b, const char *section)
 /// Keeps a copy of text[0..size) until ini_free. NULL: no memory.
 const char *ini_keep(struct ini *ini, const char *text, size_t size);
 
+/// A path in the file, which counts from the file's own folder. Kept until ini_free; NULL: no
+/// memory.
+const char *ini_beside(struct ini *ini, const char *path);
+
 // ---------------------------------------------------------------- values
 
 /// A value and where it stands. line 0: it is the default.

@@ -341,6 +341,13 @@ static bool channels_differ(const struct rig *rig) {
     return true;
 }
 
+static bool build_occlusion(const struct rig_file *file, struct rig *rig) {
+    rig->has_occlusion = file->has_occlusion;
+    rig->scene =
+        file->occlusion.scene[0] != '\0' ? ini_beside(&rig->ini, file->occlusion.scene) : NULL;
+    return occlusion_file_read(&file->occlusion, &rig->ini, &rig->occlusion);
+}
+
 enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
     memset(out, 0, sizeof *out);
     struct rig_file file;
@@ -362,7 +369,7 @@ enum exit_status rig_read(const char *path, uint32_t tick_us, struct rig *out) {
         build_axis(&file, &out->ini, AXIS_PAN, out) &&
         build_axis(&file, &out->ini, AXIS_TILT, out) && build_zoom(&file, &out->ini, out) &&
         channels_differ(out) && rig_camera_build(&file.camera, &out->ini, &out->eye) &&
-        rig_frames_build(&file.camera, &out->ini, &out->camera);
+        rig_frames_build(&file.camera, &out->ini, &out->camera) && build_occlusion(&file, out);
     if (!built || (out->board_device != NULL && !rig_fits_board(out))) {
         return EXIT_STATUS_USAGE;
     }
@@ -456,6 +463,9 @@ void rig_explain(const struct rig *rig, FILE *stream) {
                 lens->point[lens->point_count - 1U].focal_um / 1000.0);
     } else {
         fprintf(stream, "  zoom   none: a fixed lens of %.1f mm\n", rig->fixed_focal_mm);
+    }
+    if (rig->has_occlusion && rig->scene == NULL) {
+        fprintf(stream, "  hidden nothing here: no scene (a board may have one in its flash)\n");
     }
     if (rig->board_device != NULL) {
         fprintf(stream, "  rig    driven by the board at %s\n", rig->board_device);

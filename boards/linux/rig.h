@@ -7,6 +7,7 @@
 #include "rig_camera.h"
 
 #include "control/controller.h"
+#include "target/occlusion.h"
 
 #include <stdbool.h>
 
@@ -36,6 +37,9 @@ struct rig {
     double fixed_focal_mm; ///< of the camera when there is no zoom axis
     struct rig_eye eye;
     struct rig_frames camera;
+    bool has_occlusion;                  ///< the file says what hidden targets count
+    struct occlusion_settings occlusion; ///< else OCCLUSION_CALM as it is by default
+    const char *scene;                   ///< what hides targets; NULL: nothing, or the board knows
 };
 
 /// Reads and checks a rig file. tick_us: overrides the file's; 0: does not.

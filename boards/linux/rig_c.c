@@ -79,6 +79,21 @@ static void write_lens(const struct lens_config *lens, FILE *stream) {
             lens->sensor_width_um, lens->sensor_height_um, lens->margin_q16);
 }
 
+static void write_occlusion(const struct rig *rig, FILE *stream) {
+    static const char *const policies[] = {"OCCLUSION_IGNORE", "OCCLUSION_DROP", "OCCLUSION_CALM",
+                                           "OCCLUSION_WEIGH"};
+    const struct occlusion_settings *const s = &rig->occlusion;
+    fprintf(stream,
+            "\nconst struct occlusion_settings compiled_occlusion = {\n"
+            "    .policy = %s,\n"
+            "    .frame_us = %" PRIu32 "U,\n"
+            "    .ahead_us = %" PRIu32 "U,\n"
+            "    .fade_us = %" PRIu32 "U,\n"
+            "    .hidden_q16 = %" PRIu32 "U};\n",
+            policies[rig->has_occlusion ? s->policy : OCCLUSION_IGNORE], s->frame_us, s->ahead_us,
+            s->fade_us, s->hidden_q16);
+}
+
 static const char *file_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash != NULL ? slash + 1 : path;
@@ -117,4 +132,5 @@ void rig_write_c(const struct rig *rig, const char *path, FILE *stream) {
             config->tracker.coast_ticks, config->silence_us, config->settle_us,
             config->follow_error_q48, config->follow_error_us,
             config->arm_on_start ? "true" : "false");
+    write_occlusion(rig, stream);
 }

@@ -451,6 +451,13 @@ static const struct ini_section sections[] = {
      .offset = offsetof(struct rig_file, safety),
      .seen_offset = offsetof(struct rig_file, has_section),
      .help = "when to stop"},
+    {.name = "occlusion",
+     .presence = INI_OPTIONAL,
+     .keys = occlusion_keys,
+     .key_count = OCCLUSION_KEYS,
+     .offset = offsetof(struct rig_file, occlusion),
+     .seen_offset = offsetof(struct rig_file, has_occlusion),
+     .help = "what hidden targets count"},
 };
 
 const struct ini_schema rig_schema = {sections, sizeof sections / sizeof *sections};

@@ -3,6 +3,7 @@
 #define LINUX_RIG_SCHEMA_H
 
 #include "ini_schema.h"
+#include "occlusion_file.h"
 
 /// Values as in the file, scaled: _q48 in 2^-48 turns, _bam in 2^-32 turns, _ns, _um, _us.
 struct rig_mount {
@@ -66,6 +67,8 @@ struct rig_file {
     struct rig_camera camera;
     struct rig_controller controller;
     struct rig_safety safety;
+    bool has_occlusion;
+    struct occlusion_file occlusion;
 };
 
 enum rig_drive { RIG_DRIVE_RMD, RIG_DRIVE_PWM, RIG_DRIVE_FAKE, RIG_DRIVE_UVC, RIG_DRIVE_STEP };

@@ -4,6 +4,8 @@
 #include "board_targets.h"
 #include "capacity.h"
 #include "facts.h"
+#include "occlusion_file.h"
+#include "sim.h"
 
 #include "app/program_link.h"
 #include "app/settings_digest.h"
@@ -28,6 +30,7 @@ struct board_run {
     struct linux_serial serial;
     struct board_link link;
     struct board_targets targets;
+    struct occlusion_rig *hiding; ///< NULL: nothing hides targets, as far as we know
     uint64_t start_us;
     uint32_t seen_lines; ///< of status
     enum controller_mode told_mode;
@@ -189,14 +192,28 @@ static void arm(struct board_run *run, uint64_t now_us) {
     }
 }
 
+static void take_target(struct board_run *run, const struct target_update *update,
+                        uint64_t now_us) {
+    if (!board_targets_take(&run->targets, update, now_us) && run->targets_refused++ == 0U) {
+        message_command(run->command->name, CAPACITY_MESSAGE, TARGET_CAPACITY);
+    }
+}
+
 static void send_targets(struct board_run *run, uint64_t now_us) {
+    struct occlusion *const occlusion = run->hiding != NULL ? &run->hiding->occlusion : NULL;
     struct target_update update;
     struct target_source *source = run->options->source;
     while (source != NULL && target_source_next(source, now_us - run->start_us, &update)) {
-        if (!board_targets_take(&run->targets, &update, now_us) && run->targets_refused++ == 0U) {
-            message_command(run->command->name, CAPACITY_MESSAGE, TARGET_CAPACITY);
+        if (occlusion == NULL || !occlusion_report(occlusion, &update, now_us)) {
+            take_target(run, &update, now_us);
         }
         target_source_taken(source);
+    }
+    if (occlusion != NULL) {
+        occlusion_step(occlusion, now_us, true);
+        while (occlusion_next(occlusion, &update)) {
+            take_target(run, &update, now_us);
+        }
     }
     if (board_targets_due(&run->targets, &run->link, now_us)) {
         board_targets_send(&run->targets, &run->link, now_us);
@@ -287,6 +304,8 @@ static void print_summary(const struct board_run *run) {
     facts_text(&facts, "mode", controller_mode_name(status->mode));
     facts_fixed(&facts, "seconds", (double)(now_us - run->start_us) * 1e-6, 3);
     facts_u64(&facts, "targets", run->targets.most);
+    facts_fixed(&facts, "hidden_percent",
+                run->hiding != NULL ? sim_hidden_percent(&run->hiding->occlusion) : 0.0, 2);
     facts_u64(&facts, "bad_lines",
               run->options->source != NULL ? run->options->source->bad_lines : 0U);
     facts_u64(&facts, "updates_rejected", status->rejected + run->targets_refused);
@@ -337,13 +356,22 @@ enum exit_status run_board(const struct command *command, const struct rig *rig,
     run->command = command;
     run->rig = rig;
     run->options = options;
-    enum exit_status status = EXIT_STATUS_DEVICE;
+    enum exit_status status =
+        occlusion_rig_open(options->scene, &rig->occlusion, rig->controller.position_um,
+                           rig->controller.target_expiry_us, &run->hiding);
+    if (status != EXIT_STATUS_OK) {
+        occlusion_rig_close(run->hiding);
+        free(run);
+        return status;
+    }
+    status = EXIT_STATUS_DEVICE;
     if (linux_serial_open(&run->serial, rig->board_device, rig->board_baud) != HAL_OK) {
         status = complain_of_device(run);
     } else {
         status = run_opened(run);
         linux_serial_close(&run->serial);
     }
+    occlusion_rig_close(run->hiding);
     free(run);
     return status;
 }

@@ -10,6 +10,7 @@
 
 struct run_board_options {
     struct target_source *source; ///< NULL: no targets
+    const char *scene;            ///< whose solids hide targets; NULL: none here
     uint64_t limit_us;            ///< 0: until interrupted
     bool arm, json;
     const volatile sig_atomic_t *interrupted;

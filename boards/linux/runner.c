@@ -214,6 +214,9 @@ static bool is_over(const struct runner *runner, enum exit_status *status) {
 
 static void step(struct runner *runner, uint64_t due) {
     if (runner->sim == NULL) {
+        if (runner->hiding != NULL) {
+            pump_occlusion_step(&runner->hiding->hiding, runner->pump);
+        }
         // A tick that was missed is past: the controller is told the time, not the number.
         pump_step(runner->pump);
         runner->steps++;
@@ -279,6 +282,9 @@ bool runner_tick(struct runner *runner) {
 static enum exit_status start(struct runner *runner) {
     const struct runner_settings *settings = &runner->settings;
     enum exit_status status = rig_read(settings->rig_file, 0, &runner->rig);
+    if (status == EXIT_STATUS_OK) {
+        status = runner_read_hiding(runner, &runner->rig, &runner->hiding);
+    }
     if (status != EXIT_STATUS_OK) {
         return status;
     }
@@ -335,7 +341,8 @@ void runner_close(struct runner *runner) {
     target_source_close(&runner->source);
     runner_dismantle(runner);
     rig_free(&runner->rig);
-    rig_free(&runner->next_rig);
+    occlusion_rig_close(runner->hiding);
+    runner_drop_next(runner);
     runner_forget_camera_rigs(runner);
     run_log_close(&runner->log);
 }

@@ -7,6 +7,7 @@
 #include "capacity.h"
 #include "command.h"
 #include "event_loop.h"
+#include "occlusion_file.h"
 #include "realtime.h"
 #include "rig.h"
 #include "rig_devices.h"
@@ -21,6 +22,8 @@ struct runner_settings {
     const char *rig_file; ///< read again on SIGHUP
     const char *targets;  ///< NULL: none
     const char *log;      ///< as for run_log_open
+    const char *scene;    ///< whose solids hide targets, instead of the rig's; NULL: the rig's
+    bool see_through;     ///< nothing hides anything
     uint64_t limit_us;    ///< 0: until interrupted
     uint64_t state_us;    ///< a line of state every so often; 0: none
     bool arm;             ///< whatever the rig file says
@@ -38,9 +41,11 @@ struct runner {
     unsigned camera_reloads; ///< since all was read; the one in use is (camera_reloads - 1) % 2
     struct target_source source;
     bool has_source;
-    uint64_t source_since_ticks; ///< the times of a recording count from here
-    struct schedule schedule;    ///< empty: targets come from the source
-    struct sim *sim;             ///< NULL: real devices
+    uint64_t source_since_ticks;                ///< the times of a recording count from here
+    struct schedule schedule;                   ///< empty: targets come from the source
+    struct sim *sim;                            ///< NULL: real devices
+    struct occlusion_rig *hiding, *next_hiding; ///< NULL: nothing hides targets
+    struct sim_obstacles obstacles;             ///< the same for the simulator
     struct rig_devices devices;
     bool devices_open;
     struct rig_lines lines;

@@ -12,6 +12,12 @@ void runner_tell(struct runner *runner, bool severe, const char *event, const ch
 enum exit_status runner_build(struct runner *runner);
 void runner_dismantle(struct runner *runner);
 
+/// What hides the targets of a rig, as occlusion_rig_open has it.
+enum exit_status runner_read_hiding(const struct runner *runner, const struct rig *rig,
+                                    struct occlusion_rig **out);
+/// What was read for a reload is not used.
+void runner_drop_next(struct runner *runner);
+
 /// Does time pass as fast as it can? A real camera would not keep up.
 bool runner_is_hurried(const struct runner *runner);
 

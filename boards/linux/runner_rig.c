@@ -16,10 +16,26 @@ void runner_tell(struct runner *runner, bool severe, const char *event, const ch
 
 // ---------------------------------------------------------------- the rig
 
+enum exit_status runner_read_hiding(const struct runner *runner, const struct rig *rig,
+                                    struct occlusion_rig **out) {
+    const struct runner_settings *const settings = &runner->settings;
+    const char *const scene = settings->see_through     ? NULL
+                              : settings->scene != NULL ? settings->scene
+                                                        : rig->scene;
+    return occlusion_rig_open(scene, &rig->occlusion, rig->controller.position_um,
+                              rig->controller.target_expiry_us, out);
+}
+
 static enum exit_status build_fakes(struct runner *runner) {
+    if (runner->hiding != NULL) { // in the simulator it stands where it is, too
+        runner->obstacles =
+            (struct sim_obstacles){.occlusion = runner->hiding->config, .group_count = 1};
+    }
     const struct sim_config config = {.controller = &runner->rig.controller,
                                       .schedule = &runner->schedule,
                                       .seed = 1,
+                                      .obstacles =
+                                          runner->hiding != NULL ? &runner->obstacles : NULL,
                                       .fixed_focal_mm = runner->rig.fixed_focal_mm};
     runner->sim = sim_create(&config);
     if (runner->sim == NULL) {
@@ -43,6 +59,10 @@ static enum exit_status build_devices(struct runner *runner) {
         !pump_init(runner->pump, runner->controller, &runner->devices.pump)) {
         message_at(runner->rig.ini.file, 0, "the controller can't work with these settings");
         return EXIT_STATUS_USAGE;
+    }
+    if (runner->hiding != NULL) {
+        pump_occlusion_attach(&runner->hiding->hiding, runner->pump, &runner->hiding->occlusion,
+                              true);
     }
     return EXIT_STATUS_OK;
 }
@@ -133,7 +153,6 @@ static void reload_camera(struct runner *runner) {
     if (camera_source_is_changing(&runner->camera)) {
         runner_tell(runner, true, "reload", "%s is not used yet: the camera is just being changed",
                     runner->settings.rig_file);
-        rig_free(&runner->next_rig);
         return;
     }
     struct rig *rig = &runner->camera_rig[runner->camera_reloads++ % 2U];
@@ -146,24 +165,32 @@ static void reload_camera(struct runner *runner) {
     camera_source_change(&runner->camera, rig);
 }
 
+void runner_drop_next(struct runner *runner) {
+    rig_free(&runner->next_rig);
+    occlusion_rig_close(runner->next_hiding);
+    runner->next_hiding = NULL;
+}
+
 void runner_begin_reload(struct runner *runner) {
     if (runner->reloading || runner->stopping) {
         return;
     }
-    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK) {
+    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK ||
+        runner_read_hiding(runner, &runner->next_rig, &runner->next_hiding) != EXIT_STATUS_OK) {
         runner_tell(runner, true, "reload", "%s is not used: the rig stays as it was",
                     runner->settings.rig_file);
-        rig_free(&runner->next_rig);
+        runner_drop_next(runner);
         return;
     }
     if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
         runner_tell(runner, true, "reload",
                     "tick_us can't change while it runs: the rig stays as it was");
-        rig_free(&runner->next_rig);
+        runner_drop_next(runner);
         return;
     }
     if (changes_only_camera(runner)) {
         reload_camera(runner);
+        runner_drop_next(runner);
         return;
     }
     runner->reloading = true;
@@ -174,6 +201,9 @@ void runner_begin_reload(struct runner *runner) {
 enum exit_status runner_finish_reload(struct runner *runner) {
     runner_dismantle(runner);
     rig_free(&runner->rig);
+    occlusion_rig_close(runner->hiding);
+    runner->hiding = runner->next_hiding;
+    runner->next_hiding = NULL;
     runner_forget_camera_rigs(runner);
     runner->rig = runner->next_rig;
     memset(&runner->next_rig, 0, sizeof runner->next_rig);

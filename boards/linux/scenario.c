@@ -243,7 +243,8 @@ static const struct ini_section sections[] = {
      .help = "the camera itself moves"},
     {.name = "occlusion",
      .presence = INI_OPTIONAL,
-     TABLE(scenario_occlusion_keys),
+     .keys = occlusion_keys,
+     .key_count = OCCLUSION_KEYS - 1,
      .offset = offsetof(struct scenario_file, world.occlusion),
      .seen_offset = offsetof(struct scenario_file, has_occlusion),
      .help = "what hidden targets count"},
@@ -252,24 +253,11 @@ static const struct ini_schema schema = {sections, sizeof sections / sizeof *sec
 
 // ---------------------------------------------------------------- what the sections mean
 
-/// A path as seen from the folder of the scenario file. NULL: no memory.
-static const char *resolve(struct ini *ini, const char *scenario, const char *path) {
-    const char *slash = strrchr(scenario, '/');
-    if (path[0] == '/' || slash == NULL) {
-        return path;
-    }
-    char joined[4096];
-    const int size =
-        snprintf(joined, sizeof joined, "%.*s/%s", (int)(slash - scenario), scenario, path);
-    return size < 0 || (size_t)size >= sizeof joined ? path : ini_keep(ini, joined, (size_t)size);
-}
-
-static enum exit_status read_targets(const struct scenario_file *file, const char *path,
-                                     struct scenario *out) {
+static enum exit_status read_targets(const struct scenario_file *file, struct scenario *out) {
     if (!file->has_targets) {
         return EXIT_STATUS_OK;
     }
-    const char *targets = resolve(&out->ini, path, file->targets.file);
+    const char *targets = ini_beside(&out->ini, file->targets.file);
     if (targets == NULL) {
         return EXIT_STATUS_FAILURE;
     }
@@ -283,12 +271,22 @@ static enum exit_status read_targets(const struct scenario_file *file, const cha
     }
 }
 
-static enum exit_status read_world(const struct scenario_file *file, const char *path,
-                                   struct scenario *out) {
-    const char *const scene =
-        file->world.has_scene ? resolve(&out->ini, path, file->world.scene.file) : NULL;
-    return scenario_world_read(&file->world, &out->ini, scene, out->rig.controller.position_um,
-                               &out->schedule, &out->world);
+/// The rig's scene and settings, if the scenario has no own.
+static enum exit_status read_world(const struct scenario_file *file, struct scenario *out) {
+    const char *scene = out->rig.scene;
+    struct occlusion_settings settings = out->rig.occlusion;
+    if (file->world.has_scene) {
+        scene = ini_beside(&out->ini, file->world.scene.file);
+        if (scene == NULL) {
+            return EXIT_STATUS_FAILURE;
+        }
+    }
+    if ((file->has_occlusion || !out->rig.has_occlusion) &&
+        !occlusion_file_read(&file->world.occlusion, &out->ini, &settings)) {
+        return EXIT_STATUS_USAGE;
+    }
+    return scenario_world_read(&file->world, &out->ini, scene, &settings,
+                               out->rig.controller.position_um, &out->schedule, &out->world);
 }
 
 static void fill_sim(const struct scenario_file *file, struct scenario *out) {
@@ -306,8 +304,7 @@ static void fill_sim(const struct scenario_file *file, struct scenario *out) {
     out->rig.controller.arm_on_start = file->run.arm;
 }
 
-static enum exit_status build(const char *path, const struct scenario_file *file,
-                              struct scenario *out) {
+static enum exit_status build(const struct scenario_file *file, struct scenario *out) {
     if (file->run.start_mdeg.count != 2U) {
         ini_complain(&out->ini, "scenario", "", "start_deg", "needs two values: pan, tilt");
         return EXIT_STATUS_USAGE;
@@ -319,18 +316,18 @@ static enum exit_status build(const char *path, const struct scenario_file *file
     out->name = file->run.name;
     out->about = file->run.about;
     out->duration_us = (uint64_t)file->run.duration_us;
-    const char *rig = resolve(&out->ini, path, file->run.rig);
+    const char *rig = ini_beside(&out->ini, file->run.rig);
     enum exit_status status =
         rig == NULL ? EXIT_STATUS_FAILURE : rig_read(rig, (uint32_t)file->run.tick_us, &out->rig);
     if (status == EXIT_STATUS_OK) {
-        status = read_targets(file, path, out);
+        status = read_targets(file, out);
     }
     if (status == EXIT_STATUS_OK &&
         !scenario_movers_add(file->mover, file->mover_count, &out->ini, &out->schedule)) {
         status = EXIT_STATUS_USAGE;
     }
     if (status == EXIT_STATUS_OK) {
-        status = read_world(file, path, out);
+        status = read_world(file, out);
     }
     out->command_count = file->event_count;
     scenario_read_events(file->event, file->event_count, out->commands);
@@ -357,7 +354,7 @@ enum exit_status scenario_read(const char *path, struct scenario *out) {
         status = ini_apply(&out->ini, &schema, file);
     }
     if (status == EXIT_STATUS_OK) {
-        status = build(path, file, out);
+        status = build(file, out);
     }
     free(file);
     return status;

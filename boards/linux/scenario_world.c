@@ -1,15 +1,6 @@
 #include "scenario_world.h"
 
-#include "scene_build.h"
-#include "scene_drawn.h"
-
 #include <stdlib.h>
-#include <string.h>
-
-#define UNIT_UM 1000U ///< millimetres
-
-enum { POLICY_CALM, POLICY_DROP, POLICY_IGNORE };
-static const char *const policies[] = {"calm", "drop", "ignore", NULL};
 
 #define OBSTACLE(member) .offset = offsetof(struct scenario_obstacle, member)
 const struct ini_key scenario_obstacle_keys[3] = {
@@ -37,41 +28,6 @@ const struct ini_key scenario_obstacle_keys[3] = {
      .help = "straight motion"},
 };
 
-#define OCCLUSION(member) .offset = offsetof(struct scenario_occlusion, member)
-const struct ini_key scenario_occlusion_keys[4] = {
-    {.name = "policy",
-     .type = INI_CHOICE,
-     .fallback = "calm",
-     .choices = policies,
-     OCCLUSION(policy),
-     .help = "calm: what is hidden for a moment counts on; drop: what is hidden does not count; "
-             "ignore: nothing is hidden"},
-    {.name = "frame_ms",
-     .type = INI_DECIMAL,
-     .fallback = "40",
-     .min = "1",
-     .max = "1000",
-     .numerator = 1000,
-     OCCLUSION(frame_us),
-     .help = "how often it is decided what is in sight"},
-    {.name = "ahead_s",
-     .type = INI_DECIMAL,
-     .fallback = "3",
-     .min = "0",
-     .max = "10",
-     .numerator = 1000000,
-     OCCLUSION(ahead_us),
-     .help = "calm: how far it looks ahead"},
-    {.name = "fade_s",
-     .type = INI_DECIMAL,
-     .fallback = "0.8",
-     .min = "0",
-     .max = "10",
-     .numerator = 1000000,
-     OCCLUSION(fade_us),
-     .help = "calm: how long a target takes to count or not"},
-};
-
 const struct ini_key scenario_scene_keys[1] = {
     {.name = "file",
      .type = INI_TEXT,
@@ -91,6 +47,7 @@ const struct ini_key scenario_flight_keys[1] = {
 
 struct scenario_world {
     struct scene_drawn drawn;
+    struct units units;
     uint8_t *group;
     struct sim_obstacles obstacles;
 };
@@ -115,8 +72,8 @@ static bool complete(struct ini *ini, const char *section, const char *label, co
     return numbers->count == 3U;
 }
 
-/// A box round the origin, in millimetres.
-static bool add_box(struct shape_set *set, const int64_t size_um[3]) {
+/// A box round the origin, no smaller than it is said to be.
+static bool add_box(struct shape_set *set, struct units units, const int64_t size_um[3]) {
     static const uint32_t faces[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
                                        2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
     static const uint32_t sizes[6] = {4, 4, 4, 4, 4, 4};
@@ -125,8 +82,9 @@ static bool add_box(struct shape_set *set, const int64_t size_um[3]) {
     for (int i = 0; i < 8; i++) {
         int32_t at[3];
         for (int k = 0; k < 3; k++) {
-            const int32_t half = (int32_t)((size_um[k] + 1999) / 2000);
-            at[k] = (i >> k & 1) != 0 ? half : -half;
+            const int64_t half = units_from_um(units, (size_um[k] + 1) / 2 - 1) + 1;
+            const int32_t within = half < INT32_MAX ? (int32_t)half : INT32_MAX;
+            at[k] = (i >> k & 1) != 0 ? within : -within;
         }
         corner[i] = vec3(at[0], at[1], at[2]);
     }
@@ -142,7 +100,7 @@ static enum exit_status add_obstacles(const struct scenario_world_file *file, st
             !complete(ini, "obstacle", from->label, "velocity_mps", &from->velocity_umps)) {
             return EXIT_STATUS_USAGE;
         }
-        if (!add_box(&world->drawn.set, from->size_um.item)) {
+        if (!add_box(&world->drawn.set, world->units, from->size_um.item)) {
             ini_complain(ini, "obstacle", from->label, "size_m", "this box is too large");
             return EXIT_STATUS_USAGE;
         }
@@ -154,34 +112,6 @@ static enum exit_status add_obstacles(const struct scenario_world_file *file, st
     }
     world->obstacles.group_count = 1U + file->obstacle_count;
     return EXIT_STATUS_OK;
-}
-
-/// The solids and faces of a scene, in millimetres.
-static enum exit_status read_scene(const char *path, struct scenario_world *world) {
-    struct scene_text scene;
-    struct tree tree;
-    void *block = NULL;
-    size_t size = 0, fault;
-    enum exit_status status = scene_text_read(path, true, &scene);
-    if (status == EXIT_STATUS_OK &&
-        (scene_build(&scene, &scene_build_default, &block, &size) != SCENE_BUILD_OK ||
-         tree_open(block, size, &tree, &fault) != TREE_OK)) {
-        message_at(path, 0, "this scene has no tree: too large or too deep");
-        status = EXIT_STATUS_FAILURE;
-    }
-    if (status == EXIT_STATUS_OK) {
-        const struct view everything = {.focal_px_q8 = 1U << 24};
-        double unit_m;
-        memcpy(&unit_m, tree.header->unit_double, sizeof unit_m);
-        world->drawn.scale = unit_m * 1e6 / UNIT_UM;
-        status = scene_drawn_gather(&world->drawn, &tree, &everything, path);
-    }
-    if (status == EXIT_STATUS_OK) {
-        status = scene_drawn_check(&world->drawn, &tree, path);
-    }
-    free(block);
-    scene_text_free(&scene);
-    return status;
 }
 
 /// Everything as the flying camera sees it: it rests, and the world comes past.
@@ -201,12 +131,11 @@ static void fly(const struct scenario_world_file *file, struct scenario_world *w
 }
 
 static enum exit_status build(const struct scenario_world_file *file, struct ini *ini,
-                              const char *scene_path, struct vec3_i64 viewpoint_um,
-                              struct schedule *schedule, struct scenario_world *world) {
-    world->drawn.extra_boxes = file->obstacle_count;
-    enum exit_status status = scene_path != NULL ? read_scene(scene_path, world)
-                              : scene_drawn_room(&world->drawn, NULL) ? EXIT_STATUS_OK
-                                                                      : EXIT_STATUS_FAILURE;
+                              const char *scene_path, const struct occlusion_settings *settings,
+                              struct vec3_i64 viewpoint_um, struct schedule *schedule,
+                              struct scenario_world *world) {
+    enum exit_status status =
+        occlusion_solids_read(scene_path, file->obstacle_count, &world->drawn, &world->units);
     const uint32_t still = world->drawn.set.object_count;
     if (status == EXIT_STATUS_OK) {
         status = add_obstacles(file, ini, world);
@@ -224,33 +153,24 @@ static enum exit_status build(const struct scenario_world_file *file, struct ini
         }
         fly(file, world, schedule);
     }
-    const struct scenario_occlusion *const o = &file->occlusion;
-    if (o->fade_us > o->ahead_us || o->ahead_us / o->frame_us > OCCLUSION_FRAMES_MAX) {
-        ini_complain(ini, "occlusion", "", "ahead_s",
-                     "must be at least fade_s, and at most 128 frames");
-        return EXIT_STATUS_USAGE;
-    }
-    world->obstacles.ignored = o->policy == POLICY_IGNORE;
-    world->obstacles.occlusion = (struct occlusion_config){
-        .shapes = &world->drawn.set,
-        .group = world->group,
-        .unit_um = UNIT_UM,
-        .viewpoint_um = viewpoint_um,
-        .policy = o->policy == POLICY_DROP ? OCCLUSION_DROP : OCCLUSION_CALM,
-        .frame_us = (uint32_t)o->frame_us,
-        .ahead_us = (uint32_t)o->ahead_us,
-        .fade_us = (uint32_t)o->fade_us};
+    world->obstacles.occlusion = (struct occlusion_config){.shapes = &world->drawn.set,
+                                                           .group = world->group,
+                                                           .units = world->units,
+                                                           .viewpoint_um = viewpoint_um,
+                                                           .settings = *settings};
     return EXIT_STATUS_OK;
 }
 
 enum exit_status scenario_world_read(const struct scenario_world_file *file, struct ini *ini,
-                                     const char *scene_path, struct vec3_i64 viewpoint_um,
-                                     struct schedule *schedule, struct scenario_world **out) {
+                                     const char *scene_path,
+                                     const struct occlusion_settings *settings,
+                                     struct vec3_i64 viewpoint_um, struct schedule *schedule,
+                                     struct scenario_world **out) {
     *out = NULL;
-    if (!file->has_scene && !file->has_flight && file->obstacle_count == 0U) {
+    if (scene_path == NULL && !file->has_flight && file->obstacle_count == 0U) {
         return EXIT_STATUS_OK;
     }
     *out = calloc(1, sizeof **out);
     return *out == NULL ? EXIT_STATUS_FAILURE
-                        : build(file, ini, scene_path, viewpoint_um, schedule, *out);
+                        : build(file, ini, scene_path, settings, viewpoint_um, schedule, *out);
 }

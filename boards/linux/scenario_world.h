@@ -3,7 +3,7 @@
 #ifndef LINUX_SCENARIO_WORLD_H
 #define LINUX_SCENARIO_WORLD_H
 
-#include "ini_schema.h"
+#include "occlusion_file.h"
 
 #include "sim.h"
 
@@ -12,11 +12,6 @@ enum { OBSTACLES_MOST = OCCLUSION_GROUPS_MAX - 1 };
 struct scenario_obstacle {
     const char *label;
     struct ini_numbers size_um, start_um, velocity_umps;
-};
-
-struct scenario_occlusion {
-    int policy;
-    int64_t frame_us, ahead_us, fade_us;
 };
 
 struct scenario_scene {
@@ -31,22 +26,25 @@ struct scenario_flight {
 struct scenario_world_file {
     struct scenario_obstacle obstacle[OBSTACLES_MOST];
     uint32_t obstacle_count;
-    struct scenario_occlusion occlusion;
+    struct occlusion_file occlusion;
     bool has_scene, has_flight;
     struct scenario_scene scene;
     struct scenario_flight flight;
 };
 
-extern const struct ini_key scenario_obstacle_keys[3], scenario_occlusion_keys[4],
-    scenario_scene_keys[1], scenario_flight_keys[1];
+extern const struct ini_key scenario_obstacle_keys[3], scenario_scene_keys[1],
+    scenario_flight_keys[1];
 
 struct scenario_world; ///< memory of the shapes
 
 /// Builds the obstacles. scene_path: of the scene file, or NULL. *out: NULL if there are none.
-/// Movers of the schedule are seen from the flying camera from then on.
+/// settings: what hidden targets count. Movers of the schedule are seen from the flying camera from
+/// then on.
 enum exit_status scenario_world_read(const struct scenario_world_file *file, struct ini *ini,
-                                     const char *scene_path, struct vec3_i64 viewpoint_um,
-                                     struct schedule *schedule, struct scenario_world **out);
+                                     const char *scene_path,
+                                     const struct occlusion_settings *settings,
+                                     struct vec3_i64 viewpoint_um, struct schedule *schedule,
+                                     struct scenario_world **out);
 const struct sim_obstacles *scenario_world_obstacles(const struct scenario_world *world);
 void scenario_world_free(struct scenario_world *world);
 

@@ -1,6 +1,5 @@
 #include "scene_drawn.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,33 +30,28 @@ bool scene_drawn_room(struct scene_drawn *d, const struct tree *tree) {
     d->part = malloc(elements * sizeof *d->part);
     d->point_room = h->point_count + h->node_count + 1U;
     d->points = malloc(d->point_room * sizeof *d->points);
-    d->corner_list = malloc(2U * corners * sizeof *d->corner_list);
-    d->corner_counts = malloc(elements * sizeof *d->corner_counts);
-    d->corner_points = malloc(corners * sizeof *d->corner_points);
-    d->place = malloc(((size_t)h->point_count + 1U) * sizeof *d->place);
+    d->shape = (struct tree_shape_memory){
+        .points = malloc(corners * sizeof *d->shape.points),
+        .source = malloc(corners * sizeof *d->shape.source),
+        .corners = malloc(2U * corners * sizeof *d->shape.corners),
+        .counts = malloc(elements * sizeof *d->shape.counts),
+        .point_room = (uint32_t)corners,
+        .corner_room = (uint32_t)(2U * corners),
+        .face_room = (uint32_t)elements,
+        .place = malloc(((size_t)h->point_count + 1U) * sizeof *d->shape.place),
+    };
     d->bytes = corners * (sizeof *d->set.vertices + 4U * sizeof *d->set.corners +
                           sizeof *d->set.faces + sizeof *d->set.planes + sizeof *d->set.edges) +
                elements * (sizeof *d->set.objects + sizeof *d->part) +
                d->point_room * sizeof *d->points;
-    if (d->place != NULL) {
-        memset(d->place, 0xff, ((size_t)h->point_count + 1U) * sizeof *d->place);
+    if (d->shape.place != NULL) {
+        memset(d->shape.place, 0xff, ((size_t)h->point_count + 1U) * sizeof *d->shape.place);
     }
     return d->set.vertices != NULL && d->set.corners != NULL && d->set.faces != NULL &&
            d->set.planes != NULL && d->set.edges != NULL && d->set.objects != NULL &&
-           d->part != NULL && d->points != NULL && d->corner_list != NULL &&
-           d->corner_counts != NULL && d->corner_points != NULL && d->place != NULL;
-}
-
-static struct vec3 point_of(const struct scene_drawn *d, const struct tree *tree, uint32_t index) {
-    const struct tree_point *const p = &tree->points[index];
-    if (d->scale == 0.0) {
-        return vec3(p->x, p->y, p->z);
-    }
-    double at[3] = {p->x * d->scale, p->y * d->scale, p->z * d->scale};
-    for (int i = 0; i < 3; i++) { // what is too far away is refused as it is added to the set
-        at[i] = fmin(fmax(at[i], -1e9), 1e9);
-    }
-    return vec3((int32_t)lrint(at[0]), (int32_t)lrint(at[1]), (int32_t)lrint(at[2]));
+           d->part != NULL && d->points != NULL && d->shape.points != NULL &&
+           d->shape.source != NULL && d->shape.corners != NULL && d->shape.counts != NULL &&
+           d->shape.place != NULL;
 }
 
 /// The part that each node is, or is below of. NULL: no memory.
@@ -82,41 +76,6 @@ static uint32_t *find_parts(const struct tree *tree) {
     return part;
 }
 
-static enum shape_status add_solid(struct scene_drawn *d, const struct tree *tree,
-                                   const struct tree_shape *shape) {
-    uint32_t corners = 0, faces = 0, points = 0, fault;
-    for (uint32_t i = 0; i < shape->element_count; i++) {
-        const struct tree_element *const e = &tree->elements[shape->first_element + i];
-        for (uint32_t k = 0; e->kind == TREE_FACE && k < e->corner_count; k++) {
-            const uint32_t p = tree->corners[e->first_corner + k];
-            if (d->place[p] == UINT32_MAX) {
-                d->place[p] = points;
-                d->corner_points[points++] = point_of(d, tree, p);
-            }
-            d->corner_list[corners++] = d->place[p];
-        }
-        if (e->kind == TREE_FACE) {
-            d->corner_counts[faces++] = e->corner_count;
-        }
-    }
-    for (uint32_t i = 0; i < shape->element_count; i++) {
-        const struct tree_element *const e = &tree->elements[shape->first_element + i];
-        for (uint32_t k = 0; k < e->corner_count; k++) {
-            d->place[tree->corners[e->first_corner + k]] = UINT32_MAX;
-        }
-    }
-    return shape_add_solid(&d->set, d->corner_points, points, d->corner_list, d->corner_counts,
-                           faces, NULL, &fault);
-}
-
-static enum shape_status add_face(struct scene_drawn *d, const struct tree *tree,
-                                  const struct tree_element *e) {
-    for (uint32_t k = 0; k < e->corner_count; k++) {
-        d->corner_points[k] = point_of(d, tree, tree->corners[e->first_corner + k]);
-    }
-    return shape_add_plane(&d->set, d->corner_points, e->corner_count, false);
-}
-
 /// The lines of a shape, as one wire frame; pairs of equal points are left out.
 static enum shape_status add_lines(struct scene_drawn *d, const struct tree *tree,
                                    const struct tree_shape *shape) {
@@ -124,17 +83,18 @@ static enum shape_status add_lines(struct scene_drawn *d, const struct tree *tre
     for (uint32_t i = 0; i < shape->element_count; i++) {
         const struct tree_element *const e = &tree->elements[shape->first_element + i];
         for (uint32_t k = 0; e->kind == TREE_LINE && k < e->corner_count; k++) {
-            d->corner_points[points] = point_of(d, tree, tree->corners[e->first_corner + k]);
-            if (k != 0U && !vec3_equal(d->corner_points[points - 1U], d->corner_points[points])) {
-                d->corner_list[ends++] = points - 1U;
-                d->corner_list[ends++] = points;
+            d->shape.points[points] =
+                tree_shape_point(tree, tree->corners[e->first_corner + k], d->finer);
+            if (k != 0U && !vec3_equal(d->shape.points[points - 1U], d->shape.points[points])) {
+                d->shape.corners[ends++] = points - 1U;
+                d->shape.corners[ends++] = points;
             }
             points++;
         }
     }
     return ends == 0U
                ? SHAPE_OK
-               : shape_add_wire(&d->set, d->corner_points, points, d->corner_list, ends / 2U);
+               : shape_add_wire(&d->set, d->shape.points, points, d->shape.corners, ends / 2U);
 }
 
 static bool told(enum shape_status status, const struct tree *tree, uint32_t part,
@@ -161,12 +121,12 @@ static bool add_shape(struct scene_drawn *d, const struct tree *tree,
     uint32_t first = d->set.object_count;
     enum shape_status status = SHAPE_OK;
     if (shape->kind == TREE_SOLID) {
-        status = add_solid(d, tree, shape);
+        status = tree_shape_add_solid(&d->set, tree, shape, d->finer, &d->shape);
     }
     for (uint32_t i = 0; shape->kind == TREE_FACES && i < shape->element_count; i++) {
         const struct tree_element *const e = &tree->elements[shape->first_element + i];
         if (status == SHAPE_OK && e->kind == TREE_FACE) {
-            status = add_face(d, tree, e);
+            status = tree_shape_add_face(&d->set, tree, e, d->finer, &d->shape);
         }
     }
     if (status == SHAPE_OK) {
@@ -337,10 +297,11 @@ void scene_drawn_free(struct scene_drawn *drawn) {
     free(drawn->set.objects);
     free(drawn->part);
     free(drawn->points);
-    free(drawn->corner_list);
-    free(drawn->corner_counts);
-    free(drawn->corner_points);
-    free(drawn->place);
+    free(drawn->shape.points);
+    free(drawn->shape.source);
+    free(drawn->shape.corners);
+    free(drawn->shape.counts);
+    free(drawn->shape.place);
     free(drawn->workspace);
     free(drawn->planes);
     *drawn = (struct scene_drawn){0};

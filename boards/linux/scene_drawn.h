@@ -6,6 +6,7 @@
 #include "message.h"
 
 #include "scene/hidden.h"
+#include "scene/tree_shape.h"
 #include "scene/walk.h"
 
 struct scene_drawn {
@@ -18,17 +19,16 @@ struct scene_drawn {
     struct separate separate;
     size_t bytes; ///< all of these
     // To be set before:
-    double scale;         ///< from the tree's units to the set's; 0: they are the same
+    unsigned finer;       ///< the set's units are so many powers of two finer than the tree's
     uint32_t extra_boxes; ///< room in the set for so many boxes more
-    // While it is filled: corners of one face or solid.
-    uint32_t *corner_list, *corner_counts, *place;
-    struct vec3 *corner_points;
+    struct tree_shape_memory shape; ///< while it is filled
 };
 
 /// Room for everything that the tree (NULL: none) has shapes for, and the boxes. False: no memory.
 bool scene_drawn_room(struct scene_drawn *drawn, const struct tree *tree);
 
-/// Everything that the view may see, each object in the description it deserves. file: the tree's
+/// Everything that the view may see, each object in the description it deserves; view NULL:
+/// everything, in the finest one. file: the tree's
 /// name, for messages. drawn: zero but for what is to be set. Free in any case.
 enum exit_status scene_drawn_gather(struct scene_drawn *drawn, const struct tree *tree,
                                     const struct view *view, const char *file);

@@ -4,7 +4,7 @@
 
 #include "app/board_loop.h"
 
-/// Checks it; before the watchdog runs.
+/// Checks it, and casts its shadows if the rig asks for it; before the watchdog runs.
 void scene_open(void);
 
 void scene_attach(struct board_loop *loop);

@@ -35,8 +35,8 @@ static const char *watch(struct board_commands *commands, const struct target_up
 
 static const char *aim(struct board_commands *commands, const struct target_update *update) {
     const struct target_update clear = {.kind = TARGET_CLEAR};
-    if (!has_room(commands->pump, 2) || !pump_push(commands->pump, &clear) ||
-        !pump_push(commands->pump, update)) {
+    if (!has_room(commands->pump, 2) || !pump_push_as_is(commands->pump, &clear) ||
+        !pump_push_as_is(commands->pump, update)) {
         return "too many targets wait; try again";
     }
     commands->aims = true;
@@ -69,7 +69,7 @@ void board_commands_stop_and_forget(struct board_commands *commands) {
     pump_command(pump, COMMAND_STOP);
     pump_forget(pump); // what waits would come after it
     commands->aims = false;
-    (void)!pump_push(pump, &clear);
+    (void)!pump_push_as_is(pump, &clear);
 }
 
 const char *board_commands_do(struct board_commands *commands, const struct request *request,

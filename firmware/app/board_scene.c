@@ -1,5 +1,7 @@
 #include "app/board_scene.h"
 
+#define HIDDEN_EVERY_TICKS 256U ///< the line about hidden targets
+
 static struct text tell(struct board_scene *scene, const char *what) {
     struct text text;
     text_begin(&text, scene->told, sizeof scene->told - 1U);
@@ -19,7 +21,9 @@ static void say(struct board_scene *scene, const char *what) {
 
 void board_scene_open(struct board_scene *scene, const void *block, uint32_t size_bytes) {
     size_t fault_offset = 0;
-    scene->runs = false;
+    scene->runs = scene->asked_to_hide = false;
+    scene->hides = BOARD_SHADOWS_NONE;
+    scene->hidden[0] = '\0';
     scene->mail = (struct board_scene_mail){.asked = false};
     scene->refusal = NULL;
     if (tree_open(block, size_bytes, &scene->tree, &fault_offset) != TREE_OK) {
@@ -35,40 +39,85 @@ void board_scene_open(struct board_scene *scene, const void *block, uint32_t siz
     end(&text);
 }
 
+// ---------------------------------------------------------------- hidden targets
+
+/// Since the shadows were cast, or why there are none.
+static void tell_hidden(struct board_scene *scene) {
+    static const char *const why[] = {"", "no solids and no faces in the scene",
+                                      "nothing: the scene has too many solids, or too large ones",
+                                      "nothing: a solid is not convex, or a face not flat",
+                                      "nothing: the gimbal is too far from the scene"};
+    const struct occlusion *const o = &scene->shadows.occlusion;
+    struct text text;
+    text_begin(&text, scene->hidden, sizeof scene->hidden - 1U);
+    text_string(&text, "hidden: ");
+    if (scene->hides != BOARD_SHADOWS_OK) {
+        text_string(&text, why[-(int)scene->hides]);
+        end(&text);
+        return;
+    }
+    uint32_t hidden = 0;
+    for (uint32_t i = 0; i < o->target_count; i++) {
+        hidden += o->target[i].samples == 0U && o->target[i].look.number != 0U;
+    }
+    text_unsigned(&text, hidden, 0);
+    text_string(&text, " of ");
+    text_unsigned(&text, o->target_count, 0);
+    text_string(&text, " targets, by ");
+    text_unsigned(&text, scene->shadows.solids, 0);
+    text_string(&text, " solids or faces; a look took ");
+    text_unsigned(&text, o->look_us / 1000U, 0);
+    text_string(&text, " ms");
+    end(&text);
+}
+
+void board_scene_hide(struct board_scene *scene, const struct controller_config *rig,
+                      const struct occlusion_settings *settings) {
+    scene->asked_to_hide = settings->policy != OCCLUSION_IGNORE && scene->refusal == NULL;
+    if (scene->asked_to_hide) {
+        scene->hides = board_shadows_cast(&scene->shadows, &scene->tree, rig->position_um,
+                                          rig->target_expiry_us, settings, &scene->casting);
+        tell_hidden(scene);
+    }
+}
+
+static void hide(struct board_scene *scene, struct board_loop *loop) {
+    if (scene->asked_to_hide && scene->hides == BOARD_SHADOWS_OK) {
+        pump_occlusion_step(&scene->shadows.stage, &loop->pump);
+        if (loop->ticks % HIDDEN_EVERY_TICKS == 0U) {
+            tell_hidden(scene);
+        }
+    }
+}
+
+static bool hide_more(struct board_scene *scene) {
+    return scene->asked_to_hide && scene->hides == BOARD_SHADOWS_OK &&
+           occlusion_work(&scene->shadows.occlusion, scene->shadows.stage.time_us);
+}
+
+// ---------------------------------------------------------------- the aim at all of it
+
 void board_scene_attach(struct board_scene *scene, struct board_loop *loop) {
     loop->console.commands.scene = &scene->mail;
     loop->status.scene = scene->told;
+    if (scene->asked_to_hide) {
+        loop->status.hidden = scene->hidden;
+    }
+    if (scene->asked_to_hide && scene->hides == BOARD_SHADOWS_OK) {
+        pump_occlusion_attach(&scene->shadows.stage, &loop->pump, &scene->shadows.occlusion, false);
+    }
 }
 
 bool board_scene_units(const struct tree *tree, int64_t um, int32_t *units) {
-    // um / (10^6 unit) with unit = mantissa * 2^power, the mantissa cut to 40 bits: what that
-    // changes is below a unit.
-    const uint64_t bits =
-        (uint64_t)tree->header->unit_double[1] << 32 | tree->header->unit_double[0];
-    const uint64_t mantissa = (bits & ((UINT64_C(1) << 52) - 1U)) | UINT64_C(1) << 52;
-    const int power = (int)(bits >> 52) - 1075 + 13;
-    const uint64_t size = um < 0 ? 0U - (uint64_t)um : (uint64_t)um;
-    if (bits >> 52 == 0U || bits >> 52 >= 0x7FFU || size >> 44 != 0U) {
-        return false; // no number above 0, or farther than 17,000 km
-    }
-    uint64_t value = 0, rest;
-    if (power <= 0 && size != 0U) {
-        const unsigned shift = (unsigned)-power;
-        if (shift > 84U) {
-            return false;
-        }
-        const uint64_t divisor = (mantissa >> 13) * UINT64_C(1000000);
-        const struct u128 scaled = shift < 64U ? u128_mul(size, UINT64_C(1) << shift)
-                                               : (struct u128){0, size << (shift - 64U)};
-        if (scaled.hi >= divisor) {
-            return false;
-        }
-        value = u128_div_u64(scaled, divisor, &rest);
-    }
-    if (value > (uint64_t)TREE_COORDINATE_MAX) {
+    struct units scale;
+    if (!units_of_tree(tree, 0, &scale)) {
         return false;
     }
-    *units = um < 0 ? -(int32_t)value : (int32_t)value;
+    const int64_t value = units_from_um(scale, um);
+    if (value > TREE_COORDINATE_MAX || value < -TREE_COORDINATE_MAX) {
+        return false;
+    }
+    *units = (int32_t)value;
     return true;
 }
 
@@ -140,17 +189,29 @@ static void finish(struct board_scene *scene, struct board_loop *loop,
     }
 }
 
+/// A step of the search. False: none runs.
+static bool search_more(struct board_scene *scene, struct board_loop *loop) {
+    if (scene->runs) {
+        const enum scene_aim_status status = scene_aim_go(&scene->run, 1);
+        if (status != SCENE_AIM_MORE) {
+            finish(scene, loop, status);
+        }
+        return true;
+    }
+    return false;
+}
+
 void board_scene_work(struct board_scene *scene, struct board_loop *loop) {
     const uint32_t began_us = loop->pump.input.now_us;
     const struct hal_clock *const clock = loop->devices.pump.clock;
     if (scene->mail.asked) {
         start(scene);
     }
-    while (scene->runs &&
-           hal_clock_span_us(began_us, hal_clock_now_us(clock)) < BOARD_SCENE_UNTIL_US) {
-        const enum scene_aim_status status = scene_aim_go(&scene->run, 1);
-        if (status != SCENE_AIM_MORE) {
-            finish(scene, loop, status);
-        }
+    // A unit in each tick, however busy it was, or what is decided would never come to an end.
+    hide(scene, loop);
+    bool more = hide_more(scene) || scene->runs;
+    while (more && hal_clock_span_us(began_us, hal_clock_now_us(clock)) < BOARD_SCENE_UNTIL_US) {
+        const bool hides = hide_more(scene), searches = search_more(scene, loop);
+        more = hides || searches;
     }
 }

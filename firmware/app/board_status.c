@@ -152,6 +152,11 @@ bool board_status_tell(const struct board_status *status, const struct pump *pum
             text_string(text, status->scene);
         }
         return status->scene != NULL;
+    case 6:
+        if (status->hidden != NULL) {
+            text_string(text, status->hidden);
+        }
+        return status->hidden != NULL;
     default:
         return false;
     }

@@ -16,7 +16,8 @@ struct board_status {
     uint32_t busy_us;         ///< of the last tick
     uint32_t busy_us_max;     ///< since the last line of telemetry
     uint32_t ticks_missed;
-    const char *scene; ///< a line about it; NULL: the image has none
+    const char *scene;  ///< a line about it; NULL: the image has none
+    const char *hidden; ///< a line about hidden targets; NULL: nothing hides any
 };
 
 /// Why it must not arm now, or NULL.

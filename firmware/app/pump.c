@@ -17,6 +17,7 @@ bool pump_init(struct pump *pump, struct controller *controller,
                const struct pump_devices *devices) {
     pump->devices = *devices;
     pump->controller = controller;
+    pump->detour = NULL;
     pump_forget(pump);
     pump->commands = 0;
     pump->pan_set = pump->input.pan_set = false;
@@ -30,15 +31,38 @@ bool pump_init(struct pump *pump, struct controller *controller,
            (devices->pwm != NULL || !needs(controller, DRIVE_PWM));
 }
 
-bool pump_push(struct pump *pump, const struct target_update *update) {
+static bool push(struct pump *pump, const struct target_update *update, bool as_is) {
     if (pump->update_count == PUMP_UPDATES_MAX) {
         pump->errors.updates_dropped++;
         pump_release(pump);
         return false;
     }
-    pump->update[(pump->update_first + pump->update_count) % PUMP_UPDATES_MAX] = *update;
+    const uint32_t place = (pump->update_first + pump->update_count) % PUMP_UPDATES_MAX;
+    const uint32_t bit = UINT32_C(1) << place % 32U;
+    pump->update[place] = *update;
+    pump->as_is[place / 32U] = (pump->as_is[place / 32U] & ~bit) | (as_is ? bit : 0U);
     pump->update_count++;
     pump->held_count += pump->holds;
+    return true;
+}
+
+bool pump_push(struct pump *pump, const struct target_update *update) {
+    return push(pump, update, false);
+}
+
+bool pump_push_as_is(struct pump *pump, const struct target_update *update) {
+    return push(pump, update, true);
+}
+
+bool pump_take(struct pump *pump, struct target_update *update, bool *as_is) {
+    const uint32_t place = pump->update_first;
+    if (pump->update_count == pump->held_count) {
+        return false;
+    }
+    *update = pump->update[place];
+    *as_is = (pump->as_is[place / 32U] >> place % 32U & 1U) != 0U;
+    pump->update_first = (place + 1U) % PUMP_UPDATES_MAX;
+    pump->update_count--;
     return true;
 }
 
@@ -53,6 +77,10 @@ void pump_release(struct pump *pump) {
 
 void pump_forget(struct pump *pump) {
     pump->update_first = pump->update_count = 0;
+    if (pump->detour != NULL) {
+        pump->detour->count = 0;
+        pump->detour->forget = true;
+    }
     pump_release(pump);
 }
 
@@ -84,13 +112,24 @@ static void read_frames(struct pump *pump) {
     }
 }
 
+static bool take_passed(struct pump_detour *detour, struct target_update *update) {
+    if (detour->count == 0U) {
+        return false;
+    }
+    *update = detour->update[detour->first];
+    detour->first = (detour->first + 1U) % PUMP_DETOUR_MAX;
+    detour->count--;
+    return true;
+}
+
 static void read_updates(struct pump *pump) {
     struct controller_input *input = &pump->input;
-    input->update_count = 0;
-    while (input->update_count < CONTROLLER_UPDATES_MAX && pump->update_count != pump->held_count) {
-        input->update[input->update_count++] = pump->update[pump->update_first];
-        pump->update_first = (pump->update_first + 1U) % PUMP_UPDATES_MAX;
-        pump->update_count--;
+    bool as_is, more = true;
+    for (input->update_count = 0; more && input->update_count < CONTROLLER_UPDATES_MAX;
+         input->update_count += more) {
+        struct target_update *const update = &input->update[input->update_count];
+        more = pump->detour != NULL ? take_passed(pump->detour, update)
+                                    : pump_take(pump, update, &as_is);
     }
 }
 

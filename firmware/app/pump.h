@@ -36,13 +36,24 @@ struct pump_errors {
 
 #define PUMP_UPDATES_MAX 128U ///< a source that gets `false` keeps the rest for the next tick
 
+/// What the controller hears instead of the queue, where something stands between the two
+/// (app/pump_occlusion.h): that takes from the queue and fills this ring before a tick.
+#define PUMP_DETOUR_MAX 32U
+struct pump_detour {
+    bool forget; ///< what is on its way
+    uint32_t first, count;
+    struct target_update update[PUMP_DETOUR_MAX];
+};
+
 struct pump {
     struct pump_devices devices;
     struct controller *controller;
+    struct pump_detour *detour; ///< NULL: none
     uint32_t update_first, update_count;
     uint32_t held_count; ///< the last ones in the ring that wait for pump_release
     bool holds;
     struct target_update update[PUMP_UPDATES_MAX]; ///< waiting for a tick, a ring
+    uint32_t as_is[PUMP_UPDATES_MAX / 32U];        ///< a bit each: past what may hide it
     uint32_t commands;
     bool pan_set;
     struct controller_pan pan;
@@ -59,6 +70,12 @@ bool pump_init(struct pump *pump, struct controller *controller,
 /// Queues a target update for the next tick; later ones wait for the ticks after it, in order.
 /// Returns false, and counts it, if the queue is full.
 bool pump_push(struct pump *pump, const struct target_update *update) MUST_CHECK;
+
+/// The same for an aim by hand, which nothing hides.
+bool pump_push_as_is(struct pump *pump, const struct target_update *update) MUST_CHECK;
+
+/// Takes the next update from the queue. False: none, or it is held back.
+bool pump_take(struct pump *pump, struct target_update *update, bool *as_is) MUST_CHECK;
 
 /// Holds back the updates that are pushed from now on until pump_release, so that those of one
 /// frame reach the controller in ticks that follow each other and make one aim: an aim that moves

@@ -140,3 +140,23 @@ bool sight_hides(const struct sight *sight, const struct sight_piece *piece, str
     }
     return true;
 }
+
+/// No less than |normal| * radius: a vector is at most 7 / 4 of its largest component, and that is
+/// below the next power of two. radius: below 2^30; components below 2^62.
+static struct i128 no_farther(struct vec3_i64 normal, uint32_t radius) {
+    const unsigned bits =
+        64U - u64_leading_zeros(u64_abs(normal.x) | u64_abs(normal.y) | u64_abs(normal.z));
+    return i128_mul((int64_t)(((uint64_t)radius * 7U >> 2) + 1U), INT64_C(1) << bits);
+}
+
+bool sight_may_hide(const struct sight *sight, const struct sight_piece *piece, struct vec3 centre,
+                    uint32_t radius) {
+    for (uint32_t i = piece->first; i < piece->first + piece->count; i++) {
+        const struct sight_bound *const bound = &sight->bounds[i];
+        const struct i128 at = beyond(bound, centre);
+        if (i128_sign(at) > 0 && i128_cmp(at, no_farther(bound->normal, radius)) > 0) {
+            return false;
+        }
+    }
+    return true;
+}

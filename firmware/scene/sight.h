@@ -58,7 +58,13 @@ uint32_t sight_add(struct sight *sight, const struct shape_set *set, uint32_t ob
 bool sight_clip(const struct sight *sight, const struct sight_piece *piece, struct vec3 a,
                 struct vec3 b, struct span *out);
 
-/// Is a point (relative to the eye) in a piece of shadow?
+/// Is a point (relative to the eye) in a piece of shadow? Cost: a product a bound; ends at the
+/// first that the point is beyond.
 bool sight_hides(const struct sight *sight, const struct sight_piece *piece, struct vec3 p);
+
+/// May a piece of shadow hold a point of a ball? False is certain. centre: relative to the eye.
+/// Cost: as sight_hides.
+bool sight_may_hide(const struct sight *sight, const struct sight_piece *piece, struct vec3 centre,
+                    uint32_t radius);
 
 #endif

@@ -21,13 +21,18 @@ void walk_start(struct walk *walk, const struct tree *tree, const struct overlay
 /// Can anything of it be seen? *inside: its parent is inside; becomes whether it is.
 static bool is_seen(struct walk *walk, struct vec3 center, uint32_t radius, bool *inside) {
     walk->nodes_opened++;
-    if (!*inside) {
+    if (walk->view != NULL && !*inside) {
         const enum view_place place = view_place(walk->view, center, radius);
         walk->sphere_tests++;
         *inside = place == VIEW_INSIDE;
         return place != VIEW_OUTSIDE;
     }
     return true;
+}
+
+/// As large as it appears; of everything at once the largest.
+static uint32_t radius_px_q8_of(const struct walk *walk, struct vec3 center, uint32_t radius) {
+    return walk->view == NULL ? UINT32_MAX : view_radius_px_q8(walk->view, center, radius);
 }
 
 /// The next node of the tree in the file. False: it has children, or can't be seen.
@@ -43,9 +48,9 @@ static bool visit(struct walk *walk, struct walk_item *out) {
         !is_seen(walk, center, node->radius, &inside)) {
         return false;
     }
-    const uint32_t radius_px_q8 = view_radius_px_q8(walk->view, center, node->radius);
-    const struct tree_description *const d =
-        view_choose(walk->tree, node, radius_px_q8, view_distance(walk->view->eye, center));
+    const uint32_t radius_px_q8 = radius_px_q8_of(walk, center, node->radius);
+    const uint32_t distance = walk->view == NULL ? 0U : view_distance(walk->view->eye, center);
+    const struct tree_description *const d = view_choose(walk->tree, node, radius_px_q8, distance);
     const enum tree_kind kind = tree_kind(d);
     const struct tree_shape *const shape =
         walk->shapes && kind != TREE_CENTER ? tree_shape_at(walk->tree, index) : NULL;
@@ -94,14 +99,14 @@ static bool visit_overlay(struct walk *walk, struct walk_item *out) {
     if (!is_seen(walk, node->sphere.center, node->sphere.radius, &inside)) {
         return false;
     }
-    *out = (struct walk_item){
-        .points = item->points,
-        .point_count = item->part_or_count,
-        .item = node->child[1],
-        .offset = item->offset,
-        .center = node->sphere.center,
-        .crossing = !inside,
-        .radius_px_q8 = view_radius_px_q8(walk->view, node->sphere.center, node->sphere.radius)};
+    *out = (struct walk_item){.points = item->points,
+                              .point_count = item->part_or_count,
+                              .item = node->child[1],
+                              .offset = item->offset,
+                              .center = node->sphere.center,
+                              .crossing = !inside,
+                              .radius_px_q8 =
+                                  radius_px_q8_of(walk, node->sphere.center, node->sphere.radius)};
     return true;
 }
 

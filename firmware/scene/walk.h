@@ -14,7 +14,7 @@ struct walk_level {
 struct walk {
     const struct tree *tree;
     const struct overlay *overlay; ///< NULL: everything is in its place
-    const struct view *view;
+    const struct view *view;       ///< NULL: everything, in its finest description
     bool shapes; ///< set it after walk_start: a node with a shape is given as that, not in points
     uint32_t depth; ///< levels in use
     struct walk_level level[TREE_LEVELS_MAX];
@@ -43,7 +43,8 @@ struct walk_item {
     uint32_t radius_px_q8; ///< of the node's sphere; for TREE_CENTER it bounds the error
 };
 
-/// tree, overlay (NULL: none) and view must outlive the walk.
+/// tree, overlay (NULL: none) and view (NULL: everything, in its finest description) must outlive
+/// the walk.
 void walk_start(struct walk *walk, const struct tree *tree, const struct overlay *overlay,
                 const struct view *view);
 

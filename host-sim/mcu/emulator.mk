@@ -74,6 +74,12 @@ $(B)/boards/stm32f405/slew/rig.c: tests/mcu/cpu/slew/slew.ini $(B)/boresight FOR
 	@mkdir -p $(@D)
 	$(call write_rig,$<,$@)
 
+# And one with a yard in its flash that hides targets (tests/mcu/cpu/hidden.c).
+$(B)/boards/stm32f405/hidden/rig.c: tests/mcu/cpu/hidden/hidden.ini $(B)/boresight FORCE
+	@mkdir -p $(@D)
+	$(call write_rig,$<,$@)
+$(eval $(call scene_rules,stm32f405,hidden,tests/mcu/cpu/hidden/yard.scene,$(B)/boards/stm32f405/hidden/rig.o))
+
 # Programs for the emulated processor in the tests: one file each, with a start-up of their own.
 guest_c := $(wildcard tests/mcu/guest/*.c)
 guest_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -mcpu=cortex-m4 -mthumb \

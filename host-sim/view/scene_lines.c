@@ -91,7 +91,7 @@ static void take_segment(void *context, const struct hidden_segment *segment) {
 static bool move_shapes(const struct sim *sim, struct shape_set *out) {
     const struct sim_obstacles *const obstacles = sim->config.obstacles;
     const struct shape_set *const from = obstacles->occlusion.shapes;
-    const int64_t unit = obstacles->occlusion.unit_um;
+    const struct units units = obstacles->occlusion.units;
     *out = *from;
     out->vertices = malloc((from->vertex_count + 1U) * sizeof *out->vertices);
     out->planes = malloc((from->face_count + 1U) * sizeof *out->planes);
@@ -104,7 +104,8 @@ static bool move_shapes(const struct sim *sim, struct shape_set *out) {
             obstacles->occlusion.group == NULL ? 0U : obstacles->occlusion.group[i];
         const struct vec3_i64 um = sim_group_offset_um(obstacles, group, sim->time_us);
         const struct vec3 by =
-            vec3((int32_t)(um.x / unit), (int32_t)(um.y / unit), (int32_t)(um.z / unit));
+            vec3((int32_t)units_from_um(units, um.x), (int32_t)units_from_um(units, um.y),
+                 (int32_t)units_from_um(units, um.z));
         for (uint32_t v = o->first_vertex; v < o->first_vertex + o->vertex_count; v++) {
             const struct vec3 p = from->vertices[v];
             out->vertices[v] = vec3(p.x + by.x, p.y + by.y, p.z + by.z);
@@ -143,13 +144,14 @@ struct report_line *scene_lines(const struct sim *sim, const struct sim_view *vi
         return NULL;
     }
     const struct vec3_i64 um = obstacles->occlusion.viewpoint_um;
-    const int64_t unit = obstacles->occlusion.unit_um;
+    const struct units units = obstacles->occlusion.units;
     struct shape_set moved;
-    struct lines l = {
-        .set = &moved,
-        .view = view,
-        .eye = vec3((int32_t)(um.x / unit), (int32_t)(um.y / unit), (int32_t)(um.z / unit)),
-        .half_mm = {sensor_width_mm, sensor_height_mm}};
+    struct lines l = {.set = &moved,
+                      .view = view,
+                      .eye = vec3((int32_t)units_from_um(units, um.x),
+                                  (int32_t)units_from_um(units, um.y),
+                                  (int32_t)units_from_um(units, um.z)),
+                      .half_mm = {sensor_width_mm, sensor_height_mm}};
     const bool ok = move_shapes(sim, &moved) && draw(&l);
     free(moved.vertices);
     free(moved.planes);

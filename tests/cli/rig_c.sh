@@ -35,6 +35,12 @@ jerk_max_dps3 = 3000
 [camera]
 frame = rect
 sensor_width_mm = 6.4
+[occlusion]
+policy = weigh
+frame_ms = 50
+ahead_s = 2.5
+fade_s = 0.25
+hidden_percent = 12.5
 [controller]
 tick_us = 5000
 target_expiry_ms = 86400000

@@ -22,7 +22,7 @@ enum { VIEWS = 32, FLAT_VIEWS = 3, FOCAL_PX = 320 };
 #define WARM_MOST     0.001
 #define EXPONENT_MOST 0.6
 
-static uint64_t seed = 19750608;
+static uint64_t seed;
 static struct scene_aim_memory memory;
 
 enum bench_scene { IN_A_BOX, IN_A_BALL, FILLED_CONE, BENCH_SCENES };
@@ -137,6 +137,7 @@ static struct row measure(enum bench_scene scene, uint32_t count) {
                                   : scene == IN_A_BALL ? SCENE_BALL
                                                        : SCENE_CLOUD,
                                   count, scene == FILLED_CONE ? 1U : count / 100U, false};
+    seed = UINT64_C(19750608) + 1000000007U * (uint64_t)scene + count; // whatever ran before
     struct scene_text text = scene_set_draw(&set, &seed);
     struct row row = {0};
     if (scene == FILLED_CONE) {
@@ -164,6 +165,70 @@ static void print(enum bench_scene scene, uint32_t count, const struct row *r) {
     fflush(stdout);
 }
 
+// ---------------------------------------------------------------- growth and verdicts
+
+enum { SIZES_MOST = 7 };
+
+/// The slope of log y over log n by least squares; n = 1000, 10,000, ...
+static double exponent(const double *y, int count) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (int i = 0; i < count; i++) {
+        const double x = i * log(10.0), l = log(y[i]);
+        sx += x;
+        sy += l;
+        sxx += x * x;
+        sxy += x * l;
+    }
+    return count < 2 ? 0.0 : (count * sxy - sx * sy) / (count * sxx - sx * sx);
+}
+
+/// One kind of reads over all sizes: how it grows from each size to the next, and over all. most:
+/// of the exponent; 0: it is reported only.
+static void judge_growth(const char *what, const double *reads, int count, double most) {
+    const double slope = exponent(reads, count);
+    printf("  %-22s grows as n^%.2f (from size to size:", what, slope);
+    for (int i = 1; i < count; i++) {
+        printf(" %.2f", log10(reads[i] / reads[i - 1]));
+    }
+    printf(")%s\n", most <= 0.0            ? "; reported, not bounded"
+                    : CHECK(slope <= most) ? "; at most 0.60: kept"
+                                           : "; at most 0.60: BROKEN");
+}
+
+static void judge_part(const char *what, double reads, uint32_t count, double most) {
+    printf("  %-22s %.4f %% of %u points; at most %.1f %%: %s\n", what, 100.0 * reads / count,
+           (unsigned)count, 100.0 * most, CHECK(reads <= most * count) ? "kept" : "BROKEN");
+}
+
+static void measure_sizes(enum bench_scene scene, uint32_t large) {
+    double cold[SIZES_MOST] = {1}, worst[SIZES_MOST] = {1}, warm[SIZES_MOST] = {1},
+           coarse[SIZES_MOST] = {1};
+    struct row million = {0};
+    const bool bounded = scene != FILLED_CONE;
+    int sizes = 0;
+    for (uint64_t count = 1000; count <= large && sizes < SIZES_MOST; count *= 10U, sizes++) {
+        const struct row last = measure(scene, (uint32_t)count);
+        print(scene, (uint32_t)count, &last);
+        million = count == 1000000U ? last : million;
+        cold[sizes] = last.cold;
+        worst[sizes] = last.cold_worst;
+        warm[sizes] = last.warm;
+        coarse[sizes] = last.coarse;
+        CHECK(!bounded || last.file_mb <= 40e-6 * (double)count + 0.01);
+    }
+    printf("%s:\n", names[scene]);
+    judge_growth("reads cold", cold, sizes, bounded ? EXPONENT_MOST : 0.0);
+    judge_growth("reads cold, worst view", worst, sizes, bounded ? EXPONENT_MOST : 0.0);
+    judge_growth("reads warm", warm, sizes, bounded ? EXPONENT_MOST : 0.0);
+    judge_growth("reads at 640 px", coarse, sizes, bounded ? EXPONENT_MOST : 0.0);
+    if (bounded && million.cold > 0.0) {
+        judge_part("read cold", million.cold, 1000000, COLD_MOST);
+        judge_part("read warm", million.warm, 1000000, WARM_MOST);
+        printf("  %-22s %.1f MB, at most 40: %s\n", "file of 1000000 points", million.file_mb,
+               CHECK(million.file_mb <= 40.0) ? "kept" : "BROKEN");
+    }
+}
+
 int main(void) {
     const char *const large_text = getenv("LARGE");
     const uint32_t large = large_text != NULL && *large_text != '\0'
@@ -180,27 +245,10 @@ int main(void) {
            "scene", "points", "MB", "build s", "cold", "%", "worst", "us", "warm", "%", "worst",
            "us", "coarse", "px", "flat", "ms", "CGAL ms");
     for (int scene = IN_A_BOX; scene < BENCH_SCENES; scene++) {
-        struct row first = {0}, row = {0};
-        uint32_t count = 1000;
-        for (; count <= large; count *= 10U) {
-            row = measure((enum bench_scene)scene, count);
-            print((enum bench_scene)scene, count, &row);
-            first = count == 1000U ? row : first;
-            if (scene != FILLED_CONE) {
-                CHECK(row.file_mb <= 40e-6 * count + 0.01);
-            }
-            if (scene != FILLED_CONE && count == 1000000U) {
-                CHECK(row.cold <= COLD_MOST * count);
-                CHECK(row.warm <= WARM_MOST * count);
-            }
-        }
-        const double decades = log(count / 10U / 1000.0);
-        const double cold = log(row.cold / first.cold) / decades,
-                     warm = log(row.warm / first.warm) / decades;
-        printf("%-11s growth exponent of the reads: cold %.2f, warm %.2f\n", names[scene], cold,
-               warm);
-        CHECK(scene == FILLED_CONE || (cold <= EXPONENT_MOST && warm <= EXPONENT_MOST));
+        measure_sizes((enum bench_scene)scene, large);
     }
+    printf("RAM of an aim: %zu bytes, at most 65536: %s\n", sizeof memory,
+           CHECK(sizeof memory <= 65536U) ? "kept" : "BROKEN");
     printf("%s\n", check_clean() ? "every bound is kept" : "A BOUND IS BROKEN");
     return check_clean() ? 0 : 1;
 }

@@ -80,12 +80,25 @@ static void compare(const struct controller_config *a, const struct controller_c
     SAME(arm_on_start);
 }
 
+static void compare_occlusion(const struct occlusion_settings *a,
+                              const struct occlusion_settings *b) {
+    SAME(policy);
+    SAME(frame_us);
+    SAME(ahead_us);
+    SAME(fade_us);
+    SAME(hidden_q16);
+}
+
 int main(int argc, char **argv) {
     static struct rig rig;
     if (argc != 2 || rig_read(argv[1], 0, &rig) != EXIT_STATUS_OK) {
         return 2;
     }
     compare(&rig.controller, &compiled_rig);
+    if (!rig.has_occlusion) {
+        rig.occlusion.policy = OCCLUSION_IGNORE; // a board has no scene of its own accord
+    }
+    compare_occlusion(&rig.occlusion, &compiled_occlusion);
     rig_free(&rig);
     return differences == 0 ? 0 : 1;
 }

@@ -52,6 +52,7 @@ $1 == "I" { inside[hex($2)] = $3; next }
     sub(/[ \t]+$/, "", args)
     if (op == ".word") { literal_at[literals++] = address; word[address] = hex(substr(args, 3)); next }
     if (op ~ /^\./ || op == "nop" || op == "nop.w") next
+    if (op == "movs" && args == "r0, r0") next # two zero bytes: what the linker fills up with between sections
     last_op = op; last_args = args
     frame_of(op, args, $0)
     constant_of(op, args, $0)

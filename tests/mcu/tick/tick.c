@@ -10,6 +10,7 @@
 #include "cortexm/cortexm.h"
 #include "drive/rmd.h"
 #include "link/text.h"
+#include "posts.h"
 #include "semihost.h"
 
 int main(void);
@@ -212,10 +213,15 @@ struct scene {
     bool above;       ///< overhead, where a turn of the pan rolls the picture
     bool rests;       ///< nothing moves: all the ticks of the search are counted
     bool pans;        ///< all the time, from one half of them to the other and back
+    bool hides;       ///< posts stand before them: with each tick goes a unit of looking at that
 };
 
 /// A serial line of 115,200 baud carries 11.5 characters a tick, and a report has six at least.
 #define LINE_REPORTS 2U
+
+/// Every fourth target may be hidden: as many as OCCLUSION_TARGETS_MAX. They are told of first.
+#define HIDDEN_EVERY 4U
+_Static_assert(TARGET_CAPACITY / HIDDEN_EVERY == OCCLUSION_TARGETS_MAX, "or others are taken");
 
 /// With one more the controller would wait for the rest of a frame.
 #define FULL_REPORTS (CONTROLLER_UPDATES_MAX - 1U)
@@ -300,6 +306,27 @@ static const struct scene scenes[] = {
      .reports = FULL_REPORTS,
      .rect = true,
      .pans = true},
+    {.name = "hidden",
+     .spread_um = 8000000,
+     .step_um = 6000,
+     .radius_um = 250000,
+     .reports = LINE_REPORTS,
+     .hides = true},
+    {.name = "hidden-hard",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .hides = true},
+    {.name = "hidden-rect",
+     .spread_um = 8000000,
+     .step_um = 4000000,
+     .radius_um = 250000,
+     .ring = true,
+     .reports = FULL_REPORTS,
+     .rect = true,
+     .hides = true},
 };
 _Static_assert(TARGET_CAPACITY == 256U, "the budgets are those of 256 targets");
 
@@ -340,8 +367,9 @@ static void place_targets(const struct scene *scene) {
     }
 }
 
-static bool report_targets(const struct scene *scene, uint32_t count, uint32_t *next) {
-    for (uint32_t i = 0; i < count; i++, *next = (*next + 1U) % TARGET_CAPACITY) {
+static bool report_targets(const struct scene *scene, uint32_t count, uint32_t step,
+                           uint32_t *next) {
+    for (uint32_t i = 0; i < count; i++, *next = (*next + step) % TARGET_CAPACITY) {
         position_um[*next] = add(position_um[*next], step_um[*next]);
         const struct target_update update = {.kind = TARGET_POSITION,
                                              .id = 1000U + *next,
@@ -354,6 +382,27 @@ static bool report_targets(const struct scene *scene, uint32_t count, uint32_t *
         }
     }
     return true;
+}
+
+// ---------------------------------------------------------------- what hides them
+
+static uint32_t unit_most, units;
+
+/// What a board does behind each tick at least; the rest of the tick is for more of it, which is
+/// done here so that looks go on, and is measured by itself.
+static uint32_t look(void) {
+    const uint32_t start = counter();
+    pump_occlusion_step(&posts.stage, &loop.pump);
+    (void)occlusion_work(&posts.occlusion, posts.stage.time_us);
+    const uint32_t count = instructions(start, counter()) - overhead;
+    for (uint32_t i = 0; i < 20U; i++) {
+        const uint32_t begun = counter();
+        const bool more = occlusion_work(&posts.occlusion, posts.stage.time_us);
+        const uint32_t unit = instructions(begun, counter()) - overhead;
+        unit_most = unit > unit_most ? unit : unit_most;
+        units += more;
+    }
+    return count;
 }
 
 static void start_loop(const struct scene *scene) {
@@ -384,6 +433,9 @@ static void start_pan(uint32_t tick) {
 /// Why the scene was not measured, or NULL.
 static const char *run(const struct scene *scene, uint32_t *most) {
     start_loop(scene);
+    if (scene->hides && !posts_set_up(&loop.pump, compiled_rig.position_um)) {
+        return "no posts";
+    }
     place_targets(scene);
     uint32_t next = 0;
     *most = 0;
@@ -391,9 +443,14 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         const uint32_t solved = loop.controller.aims_solved;
         const bool warm = tick >= WARM_TICKS;
         now_us_value += compiled_rig.tick_us;
-        const bool first = tick * CONTROLLER_UPDATES_MAX < TARGET_CAPACITY;
-        const uint32_t reports = first ? CONTROLLER_UPDATES_MAX : warm ? scene->reports : 0U;
-        if (!report_targets(scene, reports, &next)) {
+        const bool picks = scene->hides && tick < OCCLUSION_TARGETS_MAX;
+        const uint32_t since = scene->hides ? tick - OCCLUSION_TARGETS_MAX : tick;
+        const bool first = !picks && since * CONTROLLER_UPDATES_MAX < TARGET_CAPACITY;
+        const uint32_t reports = picks   ? 1U
+                                 : first ? CONTROLLER_UPDATES_MAX
+                                 : warm  ? scene->reports
+                                         : 0U;
+        if (!report_targets(scene, reports, picks ? HIDDEN_EVERY : 1U, &next)) {
             return "reports are left over";
         }
         if (warm && scene->pans && tick % PAN_TICKS == 0U) {
@@ -401,14 +458,15 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         }
         const uint32_t start = counter();
         board_loop_tick(&loop, 0);
-        const uint32_t count = instructions(start, counter()) - overhead;
+        const uint32_t tick_count = instructions(start, counter()) - overhead;
+        const uint32_t count = tick_count + (scene->hides ? look() : 0U);
         if (warm && loop.pump.output.status.target_count != TARGET_CAPACITY) {
             return "targets are missing";
         }
         if (warm && loop.pump.output.status.mode != MODE_TRACKING) {
             return controller_mode_name(loop.pump.output.status.mode);
         }
-        if (warm && !scene->rests && loop.controller.aims_solved == solved) {
+        if (warm && !scene->rests && !scene->hides && loop.controller.aims_solved == solved) {
             return "nothing was aimed";
         }
         const bool counts = warm || (scene->rests && tick > 100U);
@@ -432,5 +490,10 @@ int main(void) {
         }
         say("tick", scenes[i].name, most);
     }
+    if (units < 1000U || posts.occlusion.hidden_total == 0U) {
+        say("error", "nothing was looked at", units);
+        return 1;
+    }
+    say("tick", "look-unit", unit_most);
     return 0;
 }
