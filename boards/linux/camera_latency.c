@@ -7,7 +7,8 @@
 #define SIGHTS_MIN   20U
 #define TURN_DEG_MIN 3.0 ///< that the gimbal turns in all
 #define GRID_MS      10
-#define SHARP        1.5 ///< with another latency, half the grid away, the scatter is this much more
+/// With another latency, two steps of the grid away, the scatter is so many times more.
+#define SHARP 1.5
 
 void camera_latency_init(struct camera_latency *latency, const struct mount *mount,
                          const struct camera_seat *seat) {
