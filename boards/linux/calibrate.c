@@ -1,4 +1,4 @@
-#include "calibrate.h"
+#include "calibrate_private.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,12 +59,12 @@ static void push_aim(struct calibrate *c) {
     c->aimed_us = now_us(c);
 }
 
-static void aim_at(struct calibrate *c, unsigned axis, double deg) {
+void calibrate_aim(struct calibrate *c, unsigned axis, double deg) {
     c->aim_deg[axis] = deg;
     push_aim(c);
 }
 
-static bool tick(struct calibrate *c) {
+bool calibrate_tick(struct calibrate *c) {
     if (now_us(c) - c->aimed_us >= REPEAT_US) {
         push_aim(c);
     }
@@ -94,7 +94,7 @@ static bool arm(struct calibrate *c) {
             pump_command(c->runner.pump, COMMAND_ARM);
             told_us = now_us(c) + 1U;
         }
-        if (!tick(c)) {
+        if (!calibrate_tick(c)) {
             return false;
         }
     }
@@ -113,10 +113,10 @@ static void remember_setpoint(struct calibrate *c, unsigned axis) {
 static bool go(struct calibrate *c, unsigned axis, double deg, double *took_s) {
     const uint64_t start_us = now_us(c);
     uint64_t there_us = 0;
-    aim_at(c, axis, deg);
+    calibrate_aim(c, axis, deg);
     c->setpoint_count = 0;
     while (there_us == 0U || now_us(c) - there_us < ARRIVED_US) {
-        if (!tick(c)) {
+        if (!calibrate_tick(c)) {
             return false;
         }
         if (!is_tracking(c)) {
@@ -138,7 +138,7 @@ static bool go(struct calibrate *c, unsigned axis, double deg, double *took_s) {
 /// Leads the axis away from what stopped it, armed again if that stopped the rig.
 static bool lead_back(struct calibrate *c, unsigned axis, double deg) {
     double took_s;
-    aim_at(c, axis, deg);
+    calibrate_aim(c, axis, deg);
     return (is_tracking(c) || arm(c)) && go(c, axis, deg, &took_s);
 }
 
@@ -174,8 +174,8 @@ static bool find_end(struct calibrate *c, unsigned axis, unsigned side, double l
     for (;;) {
         aim_deg += way * CREEP_DPS * tick_s;
         aim_deg = way * (aim_deg - limit_deg) > 0.0 ? limit_deg : aim_deg;
-        aim_at(c, axis, aim_deg);
-        if (!tick(c)) {
+        calibrate_aim(c, axis, aim_deg);
+        if (!calibrate_tick(c)) {
             return false;
         }
         const double at_deg = measured(c, axis);
@@ -197,15 +197,15 @@ static bool find_end(struct calibrate *c, unsigned axis, unsigned side, double l
     }
 }
 
-static double clamp(double value, double least, double most) {
+double calibrate_clamp(double value, double least, double most) {
     return value < least ? least : value > most ? most : value;
 }
 
 static void take_limits(struct calibrate *c, unsigned axis, double limit_deg[2]) {
     const struct limiter_config *limits = &c->runner.rig.controller.axis[axis].limits;
     const double most = axis == AXIS_TILT ? TILT_END_DEG : 3600.0;
-    limit_deg[0] = clamp(degrees(limits->min_q48), -most, most);
-    limit_deg[1] = clamp(degrees(limits->max_q48), -most, most);
+    limit_deg[0] = calibrate_clamp(degrees(limits->min_q48), -most, most);
+    limit_deg[1] = calibrate_clamp(degrees(limits->max_q48), -most, most);
     for (unsigned side = 0; side < 2U; side++) {
         c->axis[axis].end[side] = CALIBRATE_END_LIMIT;
         c->axis[axis].end_deg[side] = limit_deg[side];
@@ -214,7 +214,7 @@ static void take_limits(struct calibrate *c, unsigned axis, double limit_deg[2])
 
 static bool find_ends(struct calibrate *c, unsigned axis, const double limit_deg[2]) {
     double took_s;
-    const double middle = clamp(0.0, limit_deg[0], limit_deg[1]);
+    const double middle = calibrate_clamp(0.0, limit_deg[0], limit_deg[1]);
     for (unsigned side = 0; side < 2U; side++) {
         if (!find_end(c, axis, side, limit_deg[side])) {
             return false;
@@ -222,7 +222,8 @@ static bool find_ends(struct calibrate *c, unsigned axis, const double limit_deg
         if (c->axis[axis].end_deg[0] >= c->axis[axis].end_deg[1]) {
             return give_up(c, axis, "has no room between its ends");
         }
-        const double back = clamp(middle, c->axis[axis].end_deg[0], c->axis[axis].end_deg[1]);
+        const double back =
+            calibrate_clamp(middle, c->axis[axis].end_deg[0], c->axis[axis].end_deg[1]);
         if (!go(c, axis, back, &took_s)) {
             return false;
         }
@@ -261,10 +262,10 @@ static bool go_measured(struct calibrate *c, unsigned axis, double deg, double f
     const uint64_t start_us = now_us(c);
     uint64_t seen_us = drive->position_us;
     double seen_deg = degrees(drive->position_q48);
-    aim_at(c, axis, deg);
+    calibrate_aim(c, axis, deg);
     c->setpoint_count = 0;
     while (fabs(measured(c, axis) - deg) > ARRIVED_DEG && now_us(c) - start_us < PATIENCE_US) {
-        if (!tick(c) || !is_tracking(c)) {
+        if (!calibrate_tick(c) || !is_tracking(c)) {
             return false;
         }
         remember_setpoint(c, axis);
@@ -287,8 +288,8 @@ static bool go_measured(struct calibrate *c, unsigned axis, double deg, double f
 static bool measure_moves(struct calibrate *c, unsigned axis) {
     struct calibrate_axis *result = &c->axis[axis];
     const double most = axis == AXIS_TILT ? TILT_MOST_DEG : 3600.0;
-    const double low = clamp(result->end_deg[0] + RANGE_SLACK_DEG, -most, most);
-    const double high = clamp(result->end_deg[1] - RANGE_SLACK_DEG, -most, most);
+    const double low = calibrate_clamp(result->end_deg[0] + RANGE_SLACK_DEG, -most, most);
+    const double high = calibrate_clamp(result->end_deg[1] - RANGE_SLACK_DEG, -most, most);
     double from = low, to = high, there_s, back_s;
     for (unsigned i = 0; i < CALIBRATE_MOVES && amplitudes_deg[i] <= high - low; i++) {
         from = 0.5 * (low + high - amplitudes_deg[i]);
@@ -316,25 +317,12 @@ static bool measure_moves(struct calibrate *c, unsigned axis) {
     }
     qsort(c->lag_ms, c->lag_count, sizeof *c->lag_ms, compare);
     result->latency_ms = c->lag_ms[c->lag_count / 2U];
-    return go(c, axis, clamp(0.0, low, high), &there_s);
+    return go(c, axis, calibrate_clamp(0.0, low, high), &there_s);
 }
 
 // ---------------------------------------------------------------- the whole
 
-static bool measure(struct calibrate *c, bool with_ends) {
-    double limit_deg[2][2];
-    for (unsigned axis = 0; axis < 2U; axis++) {
-        take_limits(c, axis, limit_deg[axis]);
-        c->aim_deg[axis] = clamp(0.0, limit_deg[axis][0], limit_deg[axis][1]);
-        c->axis[axis].measured = drive_has_feedback(&c->runner.controller->drive[axis]);
-    }
-    if (!runner_tick(&c->runner)) {
-        return false;
-    }
-    push_aim(c);
-    if (!arm(c)) {
-        return false;
-    }
+static bool measure_axes(struct calibrate *c, bool with_ends, double limit_deg[2][2]) {
     for (unsigned axis = 0; axis < 2U; axis++) {
         double took_s;
         if (c->axis[axis].measured && !go(c, axis, c->aim_deg[axis], &took_s)) {
@@ -350,37 +338,66 @@ static bool measure(struct calibrate *c, bool with_ends) {
     return true;
 }
 
-enum exit_status calibrate_run(struct calibrate *c, const char *command, const char *rig_file,
-                               bool with_ends) {
-    const struct runner_settings settings = {.command = command,
-                                             .rig_file = rig_file,
-                                             .see_through = true,
-                                             .arm = true,
-                                             .stay = true,
-                                             .hurry = true};
-    enum exit_status status = runner_start(&c->runner, &settings);
-    if (status != EXIT_STATUS_OK) {
-        return status;
-    }
-    bool any = false;
+static bool measure(struct calibrate *c, const struct calibrate_settings *settings) {
+    double limit_deg[2][2];
     for (unsigned axis = 0; axis < 2U; axis++) {
+        take_limits(c, axis, limit_deg[axis]);
+        c->aim_deg[axis] = calibrate_clamp(0.0, limit_deg[axis][0], limit_deg[axis][1]);
+        c->axis[axis].measured =
+            !settings->only_camera && drive_has_feedback(&c->runner.controller->drive[axis]);
+    }
+    if (!runner_tick(&c->runner)) {
+        return false;
+    }
+    push_aim(c);
+    return arm(c) && measure_axes(c, settings->with_ends, limit_deg) && calibrate_camera(c);
+}
+
+/// Is there anything to measure? Tells why not.
+static bool has_something(const struct calibrate *c, const struct calibrate_settings *settings) {
+    const bool camera = c->runner.camera.eye != NULL;
+    bool any = camera;
+    for (unsigned axis = 0; axis < 2U && !settings->only_camera; axis++) {
         any = any || drive_has_feedback(&c->runner.controller->drive[axis]);
     }
     if (!any) {
-        message_at(rig_file, 0, "neither axis measures its position: there is nothing to measure");
+        message_at(settings->rig_file, 0,
+                   settings->only_camera
+                       ? "[camera] names no device: there is nothing to measure"
+                       : "neither axis measures its position, and there is no camera: there is "
+                         "nothing to measure");
+    }
+    return any;
+}
+
+enum exit_status calibrate_run(struct calibrate *c, const struct calibrate_settings *settings) {
+    const struct runner_settings running = {.command = settings->command,
+                                            .rig_file = settings->rig_file,
+                                            .see_through = true,
+                                            .arm = true,
+                                            .stay = true,
+                                            .hurry = true};
+    enum exit_status status = runner_start(&c->runner, &running);
+    if (status != EXIT_STATUS_OK) {
+        return status;
+    }
+    if (!has_something(c, settings)) {
         return EXIT_STATUS_USAGE;
     }
-    message_command(command, "pan and tilt move now, within the limits of %s", rig_file);
-    const bool good = measure(c, with_ends);
+    calibrate_camera_rests(c);
+    message_command(settings->command, "pan and tilt move now, within the limits of %s",
+                    settings->rig_file);
+    const bool good = measure(c, settings);
     status = c->runner.status;
     if (!good && status == EXIT_STATUS_OK) {
-        message_command(command, "interrupted: nothing is written");
+        message_command(settings->command, "interrupted: nothing is written");
         return EXIT_STATUS_FAILURE;
     }
     c->runner.status = EXIT_STATUS_OK;
     runner_stop(&c->runner);
     while (runner_tick(&c->runner)) {
     }
+    calibrate_camera_fit(c); // takes its time, and all stands still
     return good ? c->runner.status : status;
 }
 

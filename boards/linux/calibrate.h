@@ -11,11 +11,15 @@
 ///   aim to where the axis stays within 0.1 degree of it, the longer of the two.
 /// - Latency: how long after the setpoint the axis is at the same place, the median over the fast
 ///   part of the longest move.
-/// Shown: tests/cli/calibrate.sh (against the simulator's drives, whose ends and lag are known),
-/// tests/vm/guest/calibrate.sh (the same over SocketCAN, on a machine that pauses).
+/// - The camera's latency: pan swings to and fro while the camera looks at whatever it finds that
+///   stands still (camera_latency.h). Nobody follows what it finds meanwhile.
+/// Shown: tests/cli/calibrate.sh (against the simulator's drives and camera, whose ends, lag and
+/// latency are known), tests/vm/guest/calibrate.sh (the same over SocketCAN, on a machine that
+/// pauses).
 #ifndef LINUX_CALIBRATE_H
 #define LINUX_CALIBRATE_H
 
+#include "camera_latency.h"
 #include "runner.h"
 
 enum { CALIBRATE_MOVES = 3, CALIBRATE_SETPOINTS = 16384, CALIBRATE_LAGS = 4096 };
@@ -35,9 +39,24 @@ struct calibrate_axis {
     double latency_ms, speed_dps; ///< the fastest that was seen
 };
 
+struct calibrate_camera {
+    bool measured;
+    const char *why_not; ///< NULL: it was, or there is none
+    double latency_ms, rms_deg;
+    uint32_t sights;
+};
+
+struct calibrate_settings {
+    const char *command; ///< for messages
+    const char *rig_file;
+    bool with_ends;   ///< false: the limits of the file are the ends
+    bool only_camera; ///< nothing but its latency
+};
+
 struct calibrate {
     struct runner runner;
     struct calibrate_axis axis[2];
+    struct calibrate_camera camera;
 
     // Private from here on.
     double aim_deg[2];
@@ -47,12 +66,13 @@ struct calibrate {
     double setpoint_deg[CALIBRATE_SETPOINTS];
     uint32_t lag_count;
     double lag_ms[CALIBRATE_LAGS];
+    struct camera_latency sights;
 };
 
-/// Starts the rig, measures, and brings it to rest. with_ends: false takes the limits of the file
-/// for the ends. Returns: EXIT_STATUS_OK, or another after lines on stderr.
-enum exit_status calibrate_run(struct calibrate *calibrate, const char *command,
-                               const char *rig_file, bool with_ends);
+/// Starts the rig, measures, and brings it to rest. Returns: EXIT_STATUS_OK, or another after lines
+/// on stderr.
+enum exit_status calibrate_run(struct calibrate *calibrate,
+                               const struct calibrate_settings *settings);
 /// Closes the rig. In any case.
 void calibrate_close(struct calibrate *calibrate);
 

@@ -55,6 +55,9 @@ static void forget_targets(struct camera_source *source) {
 static void take_frame(void *context, const struct hal_camera_format *format,
                        const struct hal_camera_frame *frame) {
     struct camera_source *const source = context;
+    if (source->resting) {
+        return;
+    }
     const enum eye_status status = eye_submit(source->eye, format, frame);
     source->passed_over += status != EYE_OK ? 1U : 0U; // the eye counts why
 }
@@ -68,7 +71,11 @@ static void give_nobody(void *context, const struct target_update *update) {
 static void take_results(void *context) {
     struct camera_source *const source = context;
     const bool counts = source->was_there && source->next_rig == NULL;
-    (void)eye_collect(source->eye, counts ? give : give_nobody, source);
+    const uint64_t before = eye_counts_of(source->eye).frames;
+    (void)eye_collect(source->eye, counts && source->seen == NULL ? give : give_nobody, source);
+    if (counts && source->seen != NULL && eye_counts_of(source->eye).frames != before) {
+        source->seen(source->seen_context, source->eye);
+    }
 }
 
 /// Time is not real, so it stands still for the detectors.
@@ -88,6 +95,8 @@ void camera_source_pose(struct camera_source *source, const struct controller_st
     const uint32_t now_us = hal_clock_now_us(source->clock);
     const struct camera_pose pose = gimbal_pose_tick(&source->gimbal, status, at_us);
     eye_pose(source->eye, now_us, &pose);
+    source->pose = pose;
+    source->pose_us = now_us;
     if (source->staged != NULL) {
         stage_camera_pose(source->staged, now_us, truth != NULL ? truth : &pose);
     }
@@ -225,6 +234,9 @@ static void change_when_idle(struct camera_source *source) {
 // ---------------------------------------------------------------- ticks
 
 static void tick_feed(struct camera_source *source) {
+    if (source->resting && source->staged != NULL) {
+        return; // nor is any picture drawn
+    }
     camera_feed_tick(&source->feed, event_loop_now_us());
     const bool is_there = camera_feed_is_there(&source->feed);
     if (source->was_there && !is_there) {

@@ -20,6 +20,14 @@ struct camera_source {
     struct camera_feed feed;
     struct eye *eye; ///< NULL: the rig has no camera that detects
 
+    struct camera_pose pose; ///< of the gimbal, as it was told last ...
+    uint32_t pose_us;        ///< ... by the clock of the frames
+    /// For calibrate: gets every frame that was looked at, of which the controller hears nothing.
+    /// NULL: nobody does. While `resting` no frame is looked at.
+    void (*seen)(void *context, const struct eye *eye);
+    void *seen_context;
+    bool resting;
+
     // Private from here on.
     const struct rig *rig;
     const struct rig *next_rig; ///< whose camera takes its place as soon as it is let go of

@@ -14,7 +14,7 @@ enum { CHANGES_MAX = 16 };
 
 struct settings {
     const char *sightings;
-    bool keep_limits, dry_run, json;
+    bool keep_limits, camera, dry_run, json;
 };
 
 static const struct option options[] = {
@@ -22,6 +22,8 @@ static const struct option options[] = {
      offsetof(struct settings, sightings), NULL},
     {"--keep-limits", NULL, "don't look for the ends of the axes", option_flag,
      offsetof(struct settings, keep_limits), NULL},
+    {"--camera", NULL, "measure nothing but the camera's latency", option_flag,
+     offsetof(struct settings, camera), NULL},
     {"--dry-run", NULL, "print what was found, and leave the rig file as it is", option_flag,
      offsetof(struct settings, dry_run), NULL},
     OPTION_JSON(struct settings),
@@ -101,6 +103,16 @@ static void change_axis(struct changes *changes, const char *name,
     change_number(changes, name, "latency_ms", axis->latency_ms, 1);
 }
 
+static void print_camera(struct facts *facts, const struct calibrate_camera *camera) {
+    if (camera->measured) {
+        facts_fixed(facts, "camera_latency_ms", camera->latency_ms, 2);
+        facts_fixed(facts, "camera_rms_deg", camera->rms_deg, 4);
+        facts_u64(facts, "camera_sights", camera->sights);
+    } else if (camera->why_not != NULL) {
+        facts_null(facts, "camera_latency_ms", camera->why_not);
+    }
+}
+
 static enum exit_status calibrate_motion(const struct command *command,
                                          const struct settings *settings, const char *file) {
     struct calibrate *calibrate = calloc(1, sizeof *calibrate);
@@ -108,16 +120,27 @@ static enum exit_status calibrate_motion(const struct command *command,
         message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
-    enum exit_status status = calibrate_run(calibrate, command->name, file, !settings->keep_limits);
+    const struct calibrate_settings measuring = {.command = command->name,
+                                                 .rig_file = file,
+                                                 .with_ends = !settings->keep_limits,
+                                                 .only_camera = settings->camera};
+    enum exit_status status = calibrate_run(calibrate, &measuring);
     if (status == EXIT_STATUS_OK) {
         struct facts facts;
         struct changes changes = {.count = 0};
         facts_begin(&facts, stdout, settings->json);
-        for (unsigned axis = 0; axis < 2U; axis++) {
+        for (unsigned axis = 0; axis < 2U && !settings->camera; axis++) {
             print_axis(&facts, names[axis], &calibrate->axis[axis]);
             if (calibrate->axis[axis].measured) {
                 change_axis(&changes, names[axis], &calibrate->axis[axis]);
             }
+        }
+        print_camera(&facts, &calibrate->camera);
+        if (calibrate->camera.measured) {
+            change_number(&changes, "camera", "latency_ms", calibrate->camera.latency_ms, 1);
+        } else if (calibrate->camera.why_not != NULL) {
+            message_command(command->name, "no latency of the camera: %s",
+                            calibrate->camera.why_not);
         }
         status = write_back(&calibrate->runner.rig.ini, settings, &changes);
         facts_bool(&facts, "written", status == EXIT_STATUS_OK && !settings->dry_run);
@@ -296,6 +319,9 @@ const struct command command_calibrate = {
         "move_deg and move_s, how long moves take; latency_ms, how long an axis is behind its\n"
         "setpoint. Hobby servos tell nobody where they are and are not measured. The emergency\n"
         "stop and SIGINT end it, and nothing is written.\n\n"
+        "With device = ... in [camera]: pan swings by up to 8 degrees to either side while the\n"
+        "camera looks at something that stands still (a tag, a lamp), and latency_ms of [camera]\n"
+        "becomes what lets it stand still; of hobby servos with what they are late by.\n\n"
         "With --sightings nothing moves: each line of FILE is `PAN_DEG TILT_DEG X Y Z`, what the\n"
         "axes read (`boresight run` prints it) while the camera looked exactly at the point X Y "
         "Z.\n"

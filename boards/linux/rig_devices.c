@@ -3,9 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A camera that refuses a setting is asked again after so long, and so often.
-#define SEND_AGAIN_US 200000U
-#define REFUSALS_MAX  10U
 /// How often a Maestro is asked where its outputs are.
 #define ASK_EVERY_US 50000U
 
@@ -87,7 +84,7 @@ static enum hal_status open_camera(const struct rig_devices *devices,
                                    struct rig_output_device *device) {
     enum hal_status status = linux_camera_open(&device->camera, device->text, &devices->clock.hal);
     device->error = device->camera.error;
-    device->failed_settings = device->refusals = 0;
+    device->refusals = (struct refusals){0};
     if (linux_camera_servo_bind(&device->servo, &device->camera.hal) != HAL_OK) {
         abort(); // can't be: its table is complete
     }
@@ -259,22 +256,14 @@ void rig_devices_close(struct rig_devices *devices) {
     devices->device_count = 0;
 }
 
-/// Settings fail in the background: a failed one is sent again, so that the axis does not stay
-/// where it was without anybody knowing.
+/// Settings fail in the background.
 static void look_after_camera(struct rig_devices *devices, struct rig_output_device *device) {
-    const uint32_t failed = linux_camera_failed_settings(&device->camera);
-    const uint32_t span_us =
-        hal_clock_span_us(device->refused_us, hal_clock_now_us(&devices->clock.hal));
-    if (failed == device->failed_settings) {
-        device->refusals = span_us > 5U * SEND_AGAIN_US ? 0U : device->refusals;
+    struct linux_camera *camera = &device->camera;
+    if (!refusals_look(&device->refusals, linux_camera_failed_settings(camera),
+                       linux_camera_taken_settings(camera),
+                       hal_clock_now_us(&devices->clock.hal))) {
         return;
     }
-    if (device->refusals > 0U && span_us < SEND_AGAIN_US) {
-        return;
-    }
-    device->failed_settings = failed;
-    device->refused_us += span_us;
-    device->refusals++;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct rig_output *output = &devices->output[axis];
         if (output->device == device &&
@@ -393,7 +382,7 @@ static const struct linux_error *loss_of(struct rig_output_device *device, uint3
     if (hal_pwm_limits(device->hal, channel, &limits) == HAL_ERROR_GONE) {
         return error_of(device);
     }
-    if (device->kind != RIG_OUTPUT_CAMERA || device->refusals < REFUSALS_MAX) {
+    if (device->kind != RIG_OUTPUT_CAMERA || !refusals_give_up(&device->refusals)) {
         return NULL;
     }
     linux_error_set(&device->camera.error, device->camera.path, "it refuses to be turned",

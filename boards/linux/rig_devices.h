@@ -17,6 +17,7 @@
 #define LINUX_RIG_DEVICES_H
 
 #include "message.h"
+#include "refusals.h"
 #include "rig.h"
 #include "rig_bus.h"
 #include "side_job.h"
@@ -55,8 +56,7 @@ struct rig_output_device {
     struct linux_gpio_steps steps;
     const struct rig_step *step; ///< NULL: no stepper driver
     struct hal_pwm step_hal;
-    uint32_t failed_settings, refusals; ///< of the camera: seen; in a row
-    uint32_t refused_us;
+    struct refusals refusals; ///< of the camera's settings
     const struct hal_pwm *hal;
     struct linux_error error; ///< why it could not be opened
     bool lost;                ///< not touched until it is opened anew

@@ -234,7 +234,7 @@ static enum hal_status camera_negotiate(void *ctx, struct hal_camera_format *for
 static enum hal_status control_status(struct linux_camera *camera,
                                       enum hal_camera_control control) {
     uint32_t ignored;
-    if (!camera->gone && linux_camera_controls_lost(&camera->controls, &ignored)) {
+    if (!camera->gone && linux_camera_controls_lost(&camera->controls, &ignored, &ignored)) {
         (void)set_gone(camera);
     }
     if (camera->gone) {
@@ -279,9 +279,15 @@ static enum hal_status camera_control_set(void *ctx, enum hal_camera_control con
 }
 
 uint32_t linux_camera_failed_settings(struct linux_camera *camera) {
-    uint32_t count = 0;
-    (void)linux_camera_controls_lost(&camera->controls, &count);
-    return count;
+    uint32_t taken = 0, failed = 0;
+    (void)linux_camera_controls_lost(&camera->controls, &taken, &failed);
+    return failed;
+}
+
+uint32_t linux_camera_taken_settings(struct linux_camera *camera) {
+    uint32_t taken = 0, failed = 0;
+    (void)linux_camera_controls_lost(&camera->controls, &taken, &failed);
+    return taken;
 }
 
 // ---------------------------------------------------------------- opening

@@ -65,8 +65,10 @@ enum hal_status linux_camera_open(struct linux_camera *camera, const char *devic
 /// Ends the stream, and waits for a control that is being set.
 void linux_camera_close(struct linux_camera *camera);
 
-/// Settings of controls that the device refused after control_set had taken them.
+/// Settings of controls that the device refused after control_set had taken them, and those that it
+/// took.
 uint32_t linux_camera_failed_settings(struct linux_camera *camera);
+uint32_t linux_camera_taken_settings(struct linux_camera *camera);
 
 /// A camera as `boresight probe` shows it.
 struct linux_camera_info {

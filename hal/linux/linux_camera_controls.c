@@ -72,6 +72,7 @@ static void note(struct linux_camera_controls *controls, const enum hal_camera_c
             controls->wanted[control] = controls->held[control]; // the old value holds
         }
     }
+    controls->taken += error_number == 0 ? count : 0U;
     if (error_number != 0) {
         controls->failed += count;
         controls->error_number = error_number;
@@ -158,13 +159,15 @@ void linux_camera_controls_set(struct linux_camera_controls *controls,
     pthread_mutex_unlock(&controls->mutex);
 }
 
-bool linux_camera_controls_lost(struct linux_camera_controls *controls, uint32_t *failed) {
+bool linux_camera_controls_lost(struct linux_camera_controls *controls, uint32_t *taken,
+                                uint32_t *failed) {
     if (!controls->running) {
         return false;
     }
     pthread_mutex_lock(&controls->mutex);
     const bool gone = controls->gone;
     *failed = controls->failed;
+    *taken = controls->taken;
     pthread_mutex_unlock(&controls->mutex);
     return gone;
 }

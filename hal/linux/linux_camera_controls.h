@@ -23,7 +23,8 @@ struct linux_camera_controls {
     bool waiting[HAL_CAMERA_CONTROLS];
     int32_t wanted[HAL_CAMERA_CONTROLS];
     int32_t held[HAL_CAMERA_CONTROLS]; ///< by the device, as far as it has said
-    uint32_t failed;                   ///< settings that the device refused or that got lost
+    uint32_t taken;                    ///< settings that the device took
+    uint32_t failed;                   ///< that it refused or that got lost
     int error_number;                  ///< of the last of them
 };
 
@@ -39,7 +40,9 @@ int32_t linux_camera_controls_get(struct linux_camera_controls *controls,
 void linux_camera_controls_set(struct linux_camera_controls *controls,
                                enum hal_camera_control control, int32_t value);
 
-/// Whether the device has said that it is gone; *failed: settings that did not get there so far.
-bool linux_camera_controls_lost(struct linux_camera_controls *controls, uint32_t *failed);
+/// Whether the device has said that it is gone; *taken, *failed: settings so far that it took, and
+/// that did not get there.
+bool linux_camera_controls_lost(struct linux_camera_controls *controls, uint32_t *taken,
+                                uint32_t *failed);
 
 #endif

@@ -73,6 +73,44 @@ run calibrate "$dir/rig.ini" --keep-limits --json </dev/null
 [ "$status" -eq 0 ] && [ "$(value pan_low_end)" = limit ] && ! diff "$dir/before.ini" "$dir/rig.ini" | grep -q '^<'
 verdict 'limits are kept when asked to' $?
 
+# ---------------------------------------------------------------- the camera
+# A simulated camera stamps its frames late by what its name says. What is measured is 2 ms less: that old are the
+# measurements of the axes when they are heard of, by which the frames are placed.
+thing() { printf '{"id": 3, "dir": [0.05, 1, 0.02]}\n{"id": 4, "dir": [-0.15, 1, 0.1]}\n' >"$dir/world"; }
+thing
+for late in 0 35 80; do
+    sed "s|^detect.*|detect = markers\ndevice = fake:$dir/world@$late|" host-sim/rigs/camera.ini >"$dir/rig.ini"
+    cp "$dir/rig.ini" "$dir/before.ini"
+    run calibrate "$dir/rig.ini" --camera --json </dev/null
+    [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" "$late" 4 1 && within "$(value camera_rms_deg)" 0.0001 0.1
+    verdict "the latency of a camera that is $late ms late" $?
+    diff "$dir/before.ini" "$dir/rig.ini" >"$dir/diff"
+    [ "$(grep -c '^<' "$dir/diff")" -eq 0 ] && [ "$(grep -c '^> latency_ms = ' "$dir/diff")" -eq 1 ] && [ "$(grep -c '^>' "$dir/diff")" -eq 1 ] &&
+        near "$(sed -n 's/^latency_ms = //p' "$dir/rig.ini")" "$late" 4 1 && ! grep -q 'pan_' "$dir/out"
+    verdict "and is written back ($late)" $?
+done
+run calibrate "$dir/rig.ini" --keep-limits --json </dev/null # beside the axes; what is in the file already does not matter
+[ "$status" -eq 0 ] && near "$(value camera_latency_ms)" 80 4 1 && within "$(value pan_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms' "$dir/rig.ini")" -eq 3 ]
+verdict 'axes and camera together' $?
+# Hobby servos say nothing of where they are: what they are late by is in it, so that frames are placed right.
+sed "s|^\[camera\]|&\ndetect = markers\nwidth_px = 320\nheight_px = 240\ndevice = fake:$dir/world@35|" host-sim/rigs/hobby.ini >"$dir/rig.ini"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 0 ] && within "$(value camera_latency_ms)" 45 70
+verdict 'on hobby servos, the camera and they together' $?
+: >"$dir/world"
+cp "$dir/rig.ini" "$dir/before.ini"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 0 ] && grep -q '"camera_latency_ms": null' "$dir/out" && cmp -s "$dir/rig.ini" "$dir/before.ini" &&
+    grep -q 'no latency of the camera: the camera sees nothing to measure by: put a tag or a lamp before it$' "$dir/err"
+verdict 'a camera that sees nothing' $?
+# Something that goes by itself is nothing to measure by.
+awk 'BEGIN { for (i = 0; i < 900; i++) printf "{\"t_us\": %d, \"id\": 3, \"dir\": [%.5f, 1, %.5f]}\n", i * 20000, 0.15 * sin(i * 0.31), 0.1 * sin(i * 0.23) }' >"$dir/world"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 0 ] && grep -q '"camera_latency_ms": null' "$dir/out" && cmp -s "$dir/rig.ini" "$dir/before.ini" && grep -q 'does not stand still' "$dir/err"
+verdict 'nor one that sees something that moves' $?
+run calibrate host-sim/rigs/studio.ini --camera </dev/null
+ends 'no camera in the file' 2 'host-sim/rigs/studio.ini: [camera] names no device: there is nothing to measure'
+
 # ---------------------------------------------------------------- sightings
 # From a model by matrices, written out here: where each joint pair looks, at a distance, from the mount's position.
 sightings() { # HEADING PITCH ROLL OFFSET COUNT NOISE

@@ -318,6 +318,14 @@ const struct detections *eye_last(const struct eye *eye) {
     return &eye->job.found;
 }
 
+uint32_t eye_last_stamp_us(const struct eye *eye) {
+    return eye->job.frame.exposed_us;
+}
+
+bool eye_last_ray(const struct eye *eye, uint32_t index, double ray[3]) {
+    return camera_model_ray(&eye->job.model, eye->job.found.item[index].pixel, ray);
+}
+
 struct eye_counts eye_counts_of(const struct eye *eye) {
     return eye->counts;
 }

@@ -83,6 +83,11 @@ enum eye_status eye_look(struct eye *eye, const struct hal_camera_luma *frame,
 /// What was found in the frame collected last, in pixels.
 const struct detections *eye_last(const struct eye *eye);
 
+/// The time stamp of that frame, and the direction of one of its detections in the camera's axes.
+/// False: the model has none for it.
+uint32_t eye_last_stamp_us(const struct eye *eye);
+bool eye_last_ray(const struct eye *eye, uint32_t index, double ray[3]) MUST_CHECK;
+
 /// A detection as a target update for a camera in that place. False: the model has no direction for
 /// it.
 bool eye_update_of(const struct detection *detection, const struct camera_model *model,

@@ -96,6 +96,8 @@ kill -INT $runner
 wait $runner
 [ $? -eq 0 ]
 verdict rig.ends_well $? "$work/run.err"
+grep -q '"pan_servo_us": 179[0-9.]*, "pan_servo_deg": 26.5[0-9]*, "tilt_servo_us": [0-9.]*, "tilt_servo_deg": 10.1' "$work/run.json"
+verdict rig.reads_back_where_the_servos_are $? "$work/run.json"
 until_true 60 is 2 0
 verdict rig.enable_line_is_let_go $?
 
