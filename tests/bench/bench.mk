@@ -64,6 +64,7 @@ $(B)/bench/levine/%.txt: $(B)/bench-levine FORCE
 bench-levine: ## Run the tables of Levine 1975 again and write docs/levine.md with its pictures
 	@.ci/need levine
 	@$(MAKE) --no-print-directory $(levine_counted)
-	@$(MAKE) --no-print-directory -j1 $(B)/bench/levine/hidden.txt $(B)/bench/levine/large.txt
+	@$(MAKE) --no-print-directory $(B)/bench/levine/hidden.txt
+	@$(MAKE) --no-print-directory $(B)/bench/levine/large.txt
 	@sh tests/bench/levine/write.sh $(B)/bench/levine docs
 	@grep -E '^\| (App|ch|fig)' docs/levine.md
