@@ -28,6 +28,5 @@ for size in 0 1 2 3 4 5; do
         /^summary:/ { if (key != "") print key, $2; key = "" }' {} + >>"$folder/counts.txt"
     rm -f "$folder"/callgrind/*
 done
-echo 'Measuring' >&2
 "$program" table "$folder/counts.txt" 6 300 >"$folder/cone.txt" || { tail -n 1 "$folder/cone.txt" >&2; exit 1; }
 cat "$folder/cone.txt"

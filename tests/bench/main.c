@@ -177,8 +177,9 @@ static void measure(int set, int size, int m) {
     const struct bench_method *const method = &bench_methods[m];
     struct bench_figures *const f = &bench_table[set][size][m];
     const uint32_t n = bench_size((enum bench_set)set, size);
-    const int rounds = n <= 1000U ? 5 : 2;
-    const uint32_t sets = sets_of(set, size, m, bench_sets, BENCH_RUN_MOST / rounds);
+    const bool is_long = bench_expected(set, size, m) > BENCH_REPEATS_MOST;
+    const int rounds = n <= 1000U ? 5 : is_long ? 1 : 2;
+    const uint32_t sets = sets_of(set, size, m, bench_sets, BENCH_REPEATS_MOST / rounds);
     f->is_run = true;
     for (uint32_t t = 0; t < sets; t++) {
         const struct vec3 *const of_set = points + (size_t)t * n;
@@ -199,7 +200,7 @@ static void measure(int set, int size, int m) {
         add_known(&f->of[BENCH_SCRATCH], (double)run.scratch_bytes, sets);
         add_known(&f->of[BENCH_ROUNDS], run.iterations, sets);
         add_known(&f->of[BENCH_FACES], run.faces, sets);
-        add_known(&f->of[BENCH_FACE_TESTS], (double)run.face_tests / n, sets);
+        add_known(&f->of[BENCH_TESTS], (double)run.tests / n, sets);
         if (run.support_count != 0U && set != BENCH_SPHERE) {
             add(&f->of[BENCH_BY_TWO], run.support_count == 2U ? 100.0 : 0.0, sets);
         }
@@ -222,14 +223,14 @@ uint32_t bench_hull_sets(uint32_t n) {
 static void measure_hulls(int set, int size) {
     double *const of = bench_table[set][size][BENCH_HULL].of;
     const uint32_t n = bench_size((enum bench_set)set, size);
-    const uint32_t sets =
-        set == BENCH_SURFACE || set == BENCH_EXACT_CIRCLE ? 1U : bench_hull_sets(n);
+    uint32_t sets = set == BENCH_SURFACE || set == BENCH_EXACT_CIRCLE ? 1U : bench_hull_sets(n);
     double sum = 0.0, squares = 0.0, logs = 0.0;
     for (uint32_t t = 0; t < sets; t++) {
         struct bench_run run = {0};
         bench_fill((enum bench_set)set, n, t, points);
         bench_methods[BENCH_HULL].run(points, n, &run);
         const double h = run.hull_size;
+        sets = h > 0.9 * n && n > 1000U && sets > 10U ? 10U : sets; // it hardly varies
         sum += h;
         squares += h * h;
         logs += h * log(h);
@@ -242,6 +243,7 @@ static void measure_hulls(int set, int size) {
 
 static void measure_all(int sizes) {
     for (int set = 0; set < BENCH_SETS; set++) {
+        fprintf(stderr, "Measuring %s\n", bench_set_names[set]);
         for (int size = 0; size < sizes; size++) {
             const uint32_t n = bench_size((enum bench_set)set, size);
             fill(set, n, sets_of(set, size, BENCH_BARE, bench_sets, INFINITY));

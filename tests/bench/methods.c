@@ -129,6 +129,7 @@ static void hull_of(const struct vec3 *points, uint32_t count, const struct hull
         hull_by(points, count, options, workspace, sizeof workspace, &result) != HULL_OK;
     run->hull_size = run->infeasible ? 0U : result.vertex_count;
     run->scratch_bytes = HULL_WORKSPACE_BYTES(count);
+    run->tests = result.comparisons;
 }
 
 /// As hull_spherical takes it: a filter first.
@@ -154,6 +155,7 @@ static void diagram(const struct vec3 *points, uint32_t count,
     run->infeasible =
         voronoi_circle(points, count, options, workspace, sizeof workspace, &result) != CONE_OK;
     run->scratch_bytes = result.bytes_needed;
+    run->tests = result.side_tests;
     answer(&result.cone, run);
 }
 
@@ -184,7 +186,7 @@ static void pyramid_run(const struct vec3 *points, uint32_t count, struct bench_
         pyramid_narrowest(points, count, workspace, sizeof workspace, &result) != CONE_OK;
     run->scratch_bytes = PYRAMID_WORKSPACE_BYTES(result.edges_most);
     run->faces = result.edges_most;
-    run->face_tests = result.face_tests;
+    run->tests = result.face_tests;
     answer(&result.cone, run);
 }
 

@@ -14,9 +14,10 @@
 struct bench_run {
     uint64_t point_reads;
     uint64_t scratch_bytes;
-    uint32_t hull_size;        ///< extreme directions
-    uint32_t faces;            ///< most that the pyramid had
-    uint64_t face_tests;       ///< of the pyramid
+    uint32_t hull_size; ///< extreme directions
+    uint32_t faces;     ///< most that the pyramid had
+    /// Of a point and a face (pyramid), a site and a circle (diagrams), two angles (hulls).
+    uint64_t tests;
     uint32_t iterations;       ///< of a loop whose every round reads all that is left
     uint64_t half_angle_bam32; ///< of a cone that claims to be the narrowest
     uint8_t support_count;

@@ -41,7 +41,7 @@ bool bench_is_run(int set, int size, int method) {
 
 static bool is_a_point(enum bench_column column) {
     return column == BENCH_READS || column == BENCH_INSTRUCTIONS || column == BENCH_NS ||
-           column == BENCH_FACE_TESTS;
+           column == BENCH_TESTS;
 }
 
 double bench_growth(int set, int method, enum bench_column column, int sizes) {
@@ -89,7 +89,7 @@ static void print_line(const double *of, const double *bare) {
     printf(" |");
     print_figure(of[BENCH_ROUNDS], -1, 7);
     print_figure(of[BENCH_FACES], -1, 7);
-    print_figure(of[BENCH_FACE_TESTS], -1, 7);
+    print_figure(of[BENCH_TESTS], -1, 7);
     print_figure(of[BENCH_BY_TWO], bare == NULL ? -1 : 0, 5);
     printf(" |");
     print_figure(of[BENCH_WIDER], -1, 6);
@@ -121,7 +121,8 @@ void bench_print_table(int sizes) {
         "reads, instr(uctions, x86-64, -O2), ns, tests: a point. /bare: beside one pass of dot "
         "products over the same points.\n"
         "scratch: bytes. rounds: of a loop whose every round reads all that is left. faces: most "
-        "that the pyramid had; tests: of a point and a face.\n"
+        "that the pyramid had.\n"
+        "tests: of a point and a face (pyramid), a site and a circle (A, B), two angles (hulls).\n"
         "two: sets decided by two points, percent. wider, most: how much wider a cone than the "
         "narrowest, mean and worst, percent.\n"
         "h: extreme directions. '-': no such figure. Lines \"growth\": exponents of n, of "
