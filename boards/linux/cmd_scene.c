@@ -1,10 +1,10 @@
 /// `boresight scene`: build a sphere tree from a scene, tell about it, aim at what it holds, draw
 /// it, and count what drawing it takes.
 #include "facts.h"
-#include "scene_build.h"
 #include "scene_command.h"
 #include "scene_file.h"
 #include "scene_render.h"
+#include "scene_tree.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,8 +46,6 @@ static const struct option options[] = {
 static enum exit_status build(const struct command *command, const struct scene_settings *settings,
                               const char *file) {
     struct scene_build_options build_options = scene_build_default;
-    unsigned long line = 0;
-    build_options.fault_line = &line;
     if (settings->output == NULL) {
         message_command(command->name, "build: -o FILE says where to write the tree");
         return EXIT_STATUS_USAGE;
@@ -57,33 +55,15 @@ static enum exit_status build(const struct command *command, const struct scene_
                           &build_options.coarse_px_q8)) {
         return EXIT_STATUS_USAGE;
     }
-    struct scene_text scene;
-    enum exit_status status = scene_text_read(file, !settings->points, &scene);
-    void *block = NULL;
-    size_t size = 0;
+    struct scene_tree scene;
+    enum exit_status status = scene_tree_read(file, !settings->points, &build_options, &scene);
     if (status == EXIT_STATUS_OK) {
-        const char *const name = file == NULL || strcmp(file, "-") == 0 ? "stdin" : file;
-        switch (scene_build(&scene, &build_options, &block, &size)) {
-        case SCENE_BUILD_OK:
-            status = scene_file_write(settings->output, block, size);
-            break;
-        case SCENE_BUILD_NO_MEMORY:
-            message_at(name, 0, "no memory for the tree of this scene");
-            status = EXIT_STATUS_FAILURE;
-            break;
-        case SCENE_BUILD_TOO_DEEP:
-            message_at(name, line, "too deep: with this object the tree has more than %d levels",
-                       (int)TREE_LEVELS_MAX);
-            status = EXIT_STATUS_USAGE;
-            break;
-        default:
-            message_at(name, 0, "the tree would be larger than 4 GiB");
-            status = EXIT_STATUS_USAGE;
-            break;
-        }
+        status = scene_tree_check(&scene, file);
     }
-    free(block);
-    scene_text_free(&scene);
+    if (status == EXIT_STATUS_OK) {
+        status = scene_file_write(settings->output, scene.block, scene.size_bytes);
+    }
+    scene_tree_free(&scene);
     return status;
 }
 
@@ -216,16 +196,10 @@ static enum exit_status open_any(const char *path, struct scene_file *out, void 
             return scene_file_open(path, out);
         }
     }
-    struct scene_text scene;
-    enum exit_status status = scene_text_read(path, true, &scene);
-    size_t size = 0, fault;
-    if (status == EXIT_STATUS_OK &&
-        (scene_build(&scene, &scene_build_default, block, &size) != SCENE_BUILD_OK ||
-         tree_open(*block, size, &out->tree, &fault) != TREE_OK)) {
-        message_at(path, 0, "this scene has no tree: too large or too deep");
-        status = EXIT_STATUS_FAILURE;
-    }
-    scene_text_free(&scene);
+    struct scene_tree scene;
+    const enum exit_status status = scene_tree_read(path, true, &scene_build_default, &scene);
+    *block = scene.block;
+    out->tree = scene.tree;
     return status;
 }
 

@@ -1,6 +1,6 @@
 #include "occlusion_file.h"
 
-#include "scene_build.h"
+#include "scene_tree.h"
 
 #include <stdlib.h>
 
@@ -75,31 +75,21 @@ bool occlusion_file_read(const struct occlusion_file *file, const struct ini *in
 
 static enum exit_status read_scene(const char *path, struct scene_drawn *drawn,
                                    struct units *units) {
-    struct scene_text scene;
-    struct tree tree;
-    void *block = NULL;
-    size_t size = 0, fault;
-    enum exit_status status = scene_text_read(path, true, &scene);
-    if (status == EXIT_STATUS_OK &&
-        (scene_build(&scene, &scene_build_default, &block, &size) != SCENE_BUILD_OK ||
-         tree_open(block, size, &tree, &fault) != TREE_OK)) {
-        message_at(path, 0, "this scene has no tree: too large or too deep");
-        status = EXIT_STATUS_FAILURE;
-    }
+    struct scene_tree scene;
+    enum exit_status status = scene_tree_read(path, true, &scene_build_default, &scene);
     if (status == EXIT_STATUS_OK) {
-        drawn->finer = units_finer(&tree);
-        if (!units_of_tree(&tree, drawn->finer, units)) {
+        drawn->finer = units_finer(&scene.tree);
+        if (!units_of_tree(&scene.tree, drawn->finer, units)) {
             message_at(path, 0, "is too large, or too small, to hide anything");
             status = EXIT_STATUS_USAGE;
         } else {
-            status = scene_drawn_gather(drawn, &tree, NULL, path);
+            status = scene_drawn_gather(drawn, &scene.tree, NULL, path);
         }
     }
     if (status == EXIT_STATUS_OK) {
-        status = scene_drawn_check(drawn, &tree, path);
+        status = scene_drawn_check(drawn, &scene.tree, path);
     }
-    free(block);
-    scene_text_free(&scene);
+    scene_tree_free(&scene);
     return status;
 }
 

@@ -57,8 +57,8 @@ struct solid_hull {
 };
 
 /// points:   count, any int32; not modified.
-/// Cost:     SOLID_HULL_CAPS: O(count log count) tests measured on cubes, balls and spheres
-///           (tests/property/solid_hull.c prints them); adversarial sets could need count^2.
+/// Cost:     SOLID_HULL_CAPS: O(count log count) tests measured on cubes, balls, spheres and curves
+///           (tests/property/solid_hull.c prints them); not proven for every set.
 ///           LEVINE: count * faces; WRAP: 3 * count * faces. No allocation, no recursion.
 /// Accuracy: exact (tests/property/solid_hull.c: brute force over all planes in rational
 ///           arithmetic, the definition on large sets, and the three methods against each other).

@@ -159,6 +159,12 @@ bad 'distances that do not shrink' 5 'details go from coarse to fine: the distan
     'v 0 1 2\no a\ndetail within 2\np 1\ndetail within 3\np 1\n'
 bad 'no distance' 3 'detail within needs a distance above 0' 'v 0 1 2\no a\ndetail within -2\np 1\n'
 bad 'another line' 2 "'curve' is no line of a scene" 'v 0 1 2\ncurve 1\n'
+twins='o a\nv 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\no b\nv 1 1 1\nv 5 1 1\nv 1 5 1\nv 1 1 5\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n'
+bad 'solids that overlap' 10 "the object 'b' and the object 'a' of line 1 are not linearly separable: no plane is between them" "$twins"
+printf "$twins" >"$dir/twins.scene"
+run scene build --points "$dir/twins.scene" -o "$dir/twins.coca"
+[ "$status" -eq 0 ] && [ -s "$dir/twins.coca" ]
+verdict 'but as points they are a scene' $?
 bad 'groups too deep' 17 'groups nested deeper than 16' "$(awk 'BEGIN { for (i = 0; i < 17; i++) printf "group g\\n" }')"
 # Sixteen groups in each other, with 32 objects each; the numbers are such that it is just too much.
 awk 'function draw() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }

@@ -4,6 +4,7 @@
 #include "check.h"
 #include "property/support/solid_check.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -102,9 +103,40 @@ static void cost(void) {
     const double thousand = measure("sphere", SOLID_SHELL, 1000);
     const double ten = measure("sphere", SOLID_SHELL, 10000),
                  hundred = measure("sphere", SOLID_SHELL, 100000);
-    // O(n log n): the same number more for each power of ten.
+    // O(n log n): the same number more for each power of ten. As a power of n, n log n itself has
+    // the exponent 1.11 over this range.
     CHECK(ten - thousand < 20.0);
     CHECK(hundred - ten < 20.0);
+    const double exponent = 1.0 + log10(hundred / thousand) / 2.0;
+    printf("MEASURED hull of points on a sphere, 10^3 to 10^5: tests grow as n^%.2f, %.1f and %.1f "
+           "more "
+           "a point for each power of ten\n",
+           exponent, ten - thousand, hundred - ten);
+    CHECK(exponent < 1.2);
+}
+
+/// All points of the curve (t, t^2, t^3) are vertices, and given in its order: a set to slow hulls
+/// down.
+static double tests_on_a_curve(uint32_t count) {
+    struct vec3 *const points = malloc(count * sizeof *points);
+    struct solid_hull hull;
+    for (uint32_t i = 0; i < count; i++) {
+        const int32_t t = (int32_t)i - (int32_t)(count / 2U);
+        points[i] = vec3(t, t * t, t * t * t);
+    }
+    CHECK_EQ(solid_hull_find(points, count, SOLID_HULL_CAPS, workspace,
+                             SOLID_HULL_WORKSPACE_BYTES(count), &hull),
+             SOLID_HULL_OK);
+    CHECK_EQ(hull.vertex_count, count);
+    free(points);
+    return (double)hull.side_tests / count;
+}
+
+static void curve(void) {
+    const double few = tests_on_a_curve(160), many = tests_on_a_curve(2560);
+    printf("MEASURED hull of a curve in space: %.1f tests a point of 160, %.1f of 2,560\n", few,
+           many);
+    CHECK(many < 2.0 * few);
 }
 
 static void too_little_room(void) {
@@ -128,6 +160,7 @@ int main(void) {
     TEST(small_sets);
     TEST(larger_sets);
     TEST(cost);
+    TEST(curve);
     TEST(too_little_room);
     free(workspace);
     return check_finish();
