@@ -14,7 +14,11 @@ static struct vec3 short_normal(struct vec3 a, struct vec3 b) {
 }
 
 struct hull_filter hull_filter(const struct vec3 *points, const uint32_t *corners, uint32_t count) {
-    struct hull_filter filter = {.corners = count};
+    struct hull_filter filter = {.corners = count, .has_inner = count > 4U};
+    for (uint32_t i = 0; filter.has_inner && i < 4U; i++) {
+        const uint32_t next = i < 3U ? count * (i + 1U) / 4U : 0U;
+        filter.inner[i] = short_normal(points[corners[count * i / 4U]], points[corners[next]]);
+    }
     for (uint32_t i = 1; i < count; i++) {
         const struct vec3 here = points[corners[i]],
                           next = points[corners[i + 1U < count ? i + 1U : 0U]];
@@ -30,6 +34,15 @@ static inline int64_t dot(struct vec3 normal, struct vec3 point) {
 }
 
 #define DOT_ERROR ((int64_t)3 << 31)
+
+/// All four are looked at whatever the first says: a branch that is taken at random costs more.
+static inline bool is_surely_inner(const struct hull_filter *filter, struct vec3 point) {
+    const struct vec3 *const edge = filter->inner;
+    const int64_t a = dot(edge[0], point), b = dot(edge[1], point), c = dot(edge[2], point),
+                  d = dot(edge[3], point);
+    const int64_t ab = a > b ? a : b, cd = c > d ? c : d;
+    return (ab > cd ? ab : cd) < -DOT_ERROR;
+}
 
 static bool is_surely_inside(const struct hull_filter *filter, struct vec3 point) {
     // The last spoke that the point is right of; clockwise, so the next one is right of this one.
@@ -52,7 +65,8 @@ uint32_t hull_filter_apply(const struct hull_filter *filter, const struct vec3 *
     uint32_t size = 0;
     for (uint32_t i = 0; i < count; i++) {
         kept[size] = i;
-        size += !is_surely_inside(filter, points[i]);
+        size += !((filter->has_inner && is_surely_inner(filter, points[i])) ||
+                  is_surely_inside(filter, points[i]));
     }
     return size;
 }

@@ -20,7 +20,7 @@ $(B)/check/script/tests/gate/bench.log: $(B)/bench-cone-alone
 bench-cone: ## Measure the narrowest cone and the hull beside a bare pass and other programs
 	@.ci/need bench
 	@$(MAKE) --no-print-directory $(B)/bench-cone
-	@sh tests/bench/cone.sh $(B)/bench-cone $(B)/bench
+	+@sh tests/bench/cone.sh $(B)/bench-cone $(B)/bench
 
 bench_scene_o := $(B)/gcc/tests/bench/scene/main.o $(B)/gcc/tests/bench/peers.o $(B)/gcc/tests/bench/methods.o
 -include $(bench_scene_o:.o=.d)
