@@ -294,13 +294,8 @@ static enum exit_status calibrate_pointing(const struct settings *settings, cons
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     const char *file = NULL;
-    size_t operands;
-    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands)) {
-        return EXIT_STATUS_USAGE;
-    }
-    if (operands == 0U || strcmp(file, "-") == 0) {
-        message_command(command->name, "which rig? give its file");
+    if (!options_read_file(command->name, command->options, command->option_count, argc, argv,
+                           &settings, "rig", &file)) {
         return EXIT_STATUS_USAGE;
     }
     return settings.sightings != NULL ? calibrate_pointing(&settings, file)

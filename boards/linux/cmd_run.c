@@ -164,17 +164,10 @@ static enum exit_status drive_devices(const struct command *command,
 static enum exit_status run_command(const struct command *command, int argc, char *const *argv) {
     struct settings settings = {0};
     const char *file = NULL;
-    size_t operands;
-    if (!options_read(command->name, command->options, command->option_count, argc, argv, &settings,
-                      &file, 1, &operands)) {
-        return EXIT_STATUS_USAGE;
-    }
     double seconds = 0.0, state_s = 0.0;
-    if (operands == 0U) {
-        message_command(command->name, "which rig? give its file");
-        return EXIT_STATUS_USAGE;
-    }
-    if ((settings.seconds != NULL &&
+    if (!options_read_file(command->name, command->options, command->option_count, argc, argv,
+                           &settings, "rig", &file) ||
+        (settings.seconds != NULL &&
          !option_positive(command->name, "--seconds", settings.seconds, &seconds)) ||
         (settings.state != NULL &&
          !option_positive(command->name, "--state", settings.state, &state_s))) {

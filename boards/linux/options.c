@@ -153,6 +153,20 @@ void options_print(const struct option *options, size_t option_count) {
     }
 }
 
+bool options_read_file(const char *command, const struct option *options, size_t option_count,
+                       int argc, char *const *argv, void *settings, const char *what,
+                       const char **file) {
+    size_t operands;
+    if (!options_read(command, options, option_count, argc, argv, settings, file, 1, &operands)) {
+        return false;
+    }
+    if (operands == 0U || strcmp(*file, "-") == 0) {
+        message_command(command, "which %s? give its file", what);
+        return false;
+    }
+    return true;
+}
+
 bool option_positive(const char *command, const char *name, const char *text, double *out) {
     struct decimal value;
     int64_t millionths = 0;

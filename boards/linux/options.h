@@ -41,6 +41,12 @@ bool options_read(const char *command, const struct option *options, size_t opti
                   char *const *argv, void *settings, const char **operands, size_t operand_most,
                   size_t *operand_count);
 
+/// The same with one operand: a file that is read more than once, so `-` is none. what: "rig", for
+/// the question.
+bool options_read_file(const char *command, const struct option *options, size_t option_count,
+                       int argc, char *const *argv, void *settings, const char *what,
+                       const char **file);
+
 /// The text of an option as a decimal above 0, at most 4,000,000. False: told on stderr why not.
 bool option_positive(const char *command, const char *name, const char *text, double *out);
 

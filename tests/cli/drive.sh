@@ -96,6 +96,8 @@ run run host-sim/rigs/studio.ini --arm --seconds 1 --targets - --json <"$dir/liv
 gives 'run on stdin, with a bad line' 0 'mode="stopped"' 'targets=2' 'bad_lines=1' 'violations=0'
 grep -q '^stdin:2: ' "$dir/err"
 verdict 'run names the bad line' $?
+refuse 'run without a rig' 'which rig? give its file' run
+refuse 'run with the rig on stdin' 'which rig? give its file' run -
 run run host-sim/rigs/studio.ini --seconds 0.3 --json
 gives 'run does not arm by itself' 0 'mode="ready"'
 "$boresight" run host-sim/rigs/studio.ini --arm --targets "$dir/live.jsonl" --json >"$dir/out" 2>"$dir/err" &
