@@ -60,6 +60,16 @@ follow_two() {
 }
 tries 'run follows targets with a board' follow_two
 
+# What hides targets is looked at before they are sent: one of two stands behind a wall.
+printf '%s\n' 'o wall' 'v 0.5 5 -3' 'v 10 5 -3' 'v 10 5 3' 'v 0.5 5 3' 'f 1 2 3 4' >"$dir/wall.scene"
+printf '{"id": 1, "xyz": [-2, 10, 0]}\n{"id": 2, "xyz": [3, 10, 0]}\n' >"$dir/pair.jsonl"
+hide_one() {
+    run run "$rig" --arm --seconds 4 --json --targets "$dir/pair.jsonl" --scene "$dir/wall.scene"
+    [ "$status" -eq 0 ] && [ "$(value targets)" = 2 ] && [ "$(value hidden_percent)" = 50.00 ] &&
+        awk -v pan="$(value pan_deg)" 'BEGIN { wanted = atan2(-2, 10) * 57.29578; exit !(pan > wanted - 0.3 && pan < wanted + 0.3) }'
+}
+tries 'a scene hides a target from the board' hide_one
+
 awk 'BEGIN { for (frame = 0; frame < 40; frame++) for (id = 1; id <= 64; id++)
     printf "{\"t_us\": %d, \"id\": %d, \"xyz\": [%.3f, 10, %.3f]}\n", frame * 50000, 1000 * id, id / 100 + frame / 50, id / 200 }' >"$dir/many.jsonl"
 follow_many() {

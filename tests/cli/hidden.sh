@@ -65,6 +65,18 @@ sed 's/v 32 15.5 3/v 32 17 3/' "$dir/wall.scene" >"$dir/bent.scene"
 refuse 'a face that is not planar' "$dir/bent.scene:" run "$dir/none.ini" --scene "$dir/bent.scene"
 sed 's/^v 100/v 1e30/' "$dir/other.scene" >"$dir/huge.scene"
 refuse 'a scene that is too large' "$dir/huge.scene" run "$dir/none.ini" --scene "$dir/huge.scene"
+# A reload with a scene that can't be used changes nothing.
+cp "$dir/wall.scene" "$dir/now.scene"
+rig now.ini 'policy = drop' 'scene = now.scene'
+"$boresight" run "$dir/now.ini" --arm --targets "$dir/two.jsonl" --json >"$dir/out" 2>"$dir/err" &
+until_true 30 grep -q tracking "$dir/err"
+cp "$dir/bent.scene" "$dir/now.scene"
+kill -HUP $!
+until_true 30 grep -q 'is not used: the rig stays as it was' "$dir/err"
+kill -INT $!
+wait $!
+[ $? -eq 0 ] && grep -q "now.scene:.*not planar" "$dir/err" && grep -q '"reloads": 0' "$dir/out" && grep -q '"mode": "stopped"' "$dir/out"
+verdict 'a reload with a scene that is wrong changes nothing' $?
 run config check "$dir/none.ini"
 [ "$status" -eq 0 ] && grep -q 'hidden nothing here: no scene' "$dir/out"
 verdict 'config check says that nothing is hidden without a scene' $?
