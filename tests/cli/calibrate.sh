@@ -79,7 +79,7 @@ verdict 'limits are kept when asked to' $?
 thing() { printf '{"id": 3, "dir": [0.05, 1, 0.02]}\n{"id": 4, "dir": [-0.15, 1, 0.1]}\n' >"$dir/world"; }
 thing
 for late in 0 35 80; do
-    sed "s|^detect.*|detect = markers\ndevice = fake:$dir/world@$late|" host-sim/rigs/camera.ini >"$dir/rig.ini"
+    sed "s|^detect.*|detect = markers\nrate_hz = 12\ndevice = fake:$dir/world@$late|" host-sim/rigs/camera.ini >"$dir/rig.ini"
     cp "$dir/rig.ini" "$dir/before.ini"
     run calibrate "$dir/rig.ini" --camera --json </dev/null
     [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" "$late" 4 1 && within "$(value camera_rms_deg)" 0.0001 0.1
@@ -93,7 +93,7 @@ run calibrate "$dir/rig.ini" --keep-limits --json </dev/null # beside the axes; 
 [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" 80 4 1 && within "$(value pan_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms' "$dir/rig.ini")" -eq 3 ]
 verdict 'axes and camera together' $?
 # Hobby servos say nothing of where they are: what they are late by is in it, so that frames are placed right.
-sed "s|^\[camera\]|&\ndetect = markers\nwidth_px = 320\nheight_px = 240\ndevice = fake:$dir/world@35|" host-sim/rigs/hobby.ini >"$dir/rig.ini"
+sed "s|^\[camera\]|&\ndetect = markers\nrate_hz = 12\nwidth_px = 320\nheight_px = 240\ndevice = fake:$dir/world@35|" host-sim/rigs/hobby.ini >"$dir/rig.ini"
 run calibrate "$dir/rig.ini" --json </dev/null
 [ "$status" -eq 0 ] && within "$(value camera_latency_ms)" 45 70
 verdict 'on hobby servos, the camera and they together' $?
