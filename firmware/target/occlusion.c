@@ -137,8 +137,10 @@ bool occlusion_report(struct occlusion *o, const struct target_update *update, u
         take_velocity(t, update, now_us);
     } else {
         o->target_count++;
-        *t = (struct occlusion_target){
-            .counts = true, .hides_us = OCCLUSION_NEVER, .shows_us = OCCLUSION_NEVER};
+        *t = (struct occlusion_target){.is_new = true,
+                                       .counts = true,
+                                       .hides_us = OCCLUSION_NEVER,
+                                       .shows_us = OCCLUSION_NEVER};
     }
     t->last = *update;
     t->heard_us = t->since_us = now_us;
@@ -221,8 +223,8 @@ static void move_level(struct occlusion_target *t, uint32_t step) {
     const uint32_t level = t->level_q16;
     const uint32_t more = level + step < ONE_Q16 ? level + step : ONE_Q16;
     const uint32_t less = level > step ? level - step : 0U;
-    const bool fresh = t->reports == 1U && level == 0U && t->counts;
-    t->level_q16 = fresh ? ONE_Q16 : (t->counts ? more : less);
+    t->level_q16 = t->is_new && t->counts ? ONE_Q16 : (t->counts ? more : less);
+    t->is_new = false;
 }
 
 /// The middle of an object's own; OCCLUSION_MIDDLES_MAX and more: there is none.
@@ -287,9 +289,11 @@ static void find_middle(const struct occlusion *o, struct occlusion_middle *m) {
     }
 }
 
+/// A report may have come since the frame began: its time is then behind the frame's.
 static bool has_expired(const struct occlusion *o, const struct occlusion_target *t) {
-    return (o->config->expiry_us != 0U && o->frame_us - t->heard_us > o->config->expiry_us) ||
-           (t->cleared && o->frame_us - t->cleared_us >= CLEAR_US);
+    const uint64_t expiry_us = o->config->expiry_us;
+    return (expiry_us != 0U && o->frame_us > t->heard_us + expiry_us) ||
+           (t->cleared && o->frame_us >= t->cleared_us + CLEAR_US);
 }
 
 static void begin_frame(struct occlusion *o, uint64_t now_us) {

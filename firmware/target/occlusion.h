@@ -73,6 +73,7 @@ struct occlusion_target {
     uint64_t heard_us;
     uint64_t since_us; ///< when it was at last.position_um
     uint32_t reports;
+    bool is_new;          ///< it was in no frame yet: if it counts, then at once
     bool leaves;          ///< with the next frame
     bool cleared;         ///< and not reported again since:
     uint64_t cleared_us;  ///< when

@@ -288,6 +288,45 @@ static void not_heard_of(void) {
     CHECK(gone == 1U && occlusion.target_count == 1U);
 }
 
+/// What is told while a frame is being made, in units of work, is not older than the frame.
+static void told_within_a_frame(void) {
+    const struct target_update clear = {.kind = TARGET_CLEAR};
+    open(OCCLUSION_CALM);
+    config.expiry_us = 500000;
+    report(&occlusion, at(1, 0, 5 * METRE), 0);
+    for (uint64_t now_us = 0; now_us <= 400000U; now_us += FRAME) {
+        occlusion_step(&occlusion, now_us, false);
+        report(&occlusion, at(1, 0, 5 * METRE), now_us + 1000U);
+        CHECK(now_us != 200000U || occlusion_report(&occlusion, &clear, now_us + 1000U));
+        while (occlusion_work(&occlusion, now_us + 2000U)) {
+        }
+        take_all(&occlusion);
+        CHECK_EQ(out_of(1).kind, TARGET_POSITION);
+    }
+}
+
+/// However often it is told of: a new target in sight counts in full from its first frame on, and
+/// one that was told of once and comes into sight does not jump in.
+static void new_ones(void) {
+    open(OCCLUSION_CALM);
+    report(&occlusion, at(1, -4 * METRE, 20 * METRE), 0);
+    occlusion_step(&occlusion, 0, true);
+    take_all(&occlusion);
+    for (uint64_t now_us = 1000; now_us < 40000U; now_us += 1000U) {
+        report(&occlusion, at(2, -8 * METRE, 20 * METRE), now_us);
+    }
+    report(&occlusion, at(3, 8 * METRE, 20 * METRE), 39000U);
+    occlusion_step(&occlusion, FRAME, true);
+    take_all(&occlusion);
+    CHECK_EQ(out_of(2).position_um.x, -8 * METRE);
+    CHECK_EQ(out_of(3).weight_q16, 0);
+    occlusion_move(&occlusion, 0, (struct vec3_i64){1000 * METRE, 0, 0}, (struct vec3_i64){0, 0, 0},
+                   FRAME);
+    occlusion_step(&occlusion, 2U * FRAME, true); // the wall is gone
+    take_all(&occlusion);
+    CHECK(out_of(3).position_um.x < 0);
+}
+
 /// One that falls silent goes on for as long as we look ahead, and then stands.
 static void silent(void) {
     open(OCCLUSION_CALM);
@@ -388,6 +427,8 @@ int main(void) {
     TEST(come_and_go);
     TEST(cleared_and_told_again);
     TEST(not_heard_of);
+    TEST(told_within_a_frame);
+    TEST(new_ones);
     TEST(silent);
     TEST(more_than_there_is_room_for);
     TEST(objects_by_themselves);
