@@ -154,40 +154,6 @@ wait $runner
 verdict run.a_lost_interface_is_status_4 $? "$work/run.err"
 wait $server
 
-# ---------------------------------------------------------------- a camera besides: CAN drives follow a tag that only it sees
-# The camera is the simulator's, from where the drives measure themselves to be: drives, bus and loop are those of a rig.
-bus_up
-serve
-{
-    cat "$work/rig.ini"
-    printf 'target_expiry_ms = 0\n'
-} | sed "s|^\[camera\]|&\ndevice = fake:$work/world\ndetect = tags\nwidth_px = 320\nheight_px = 240\nfx_px = 280\nrate_hz = 5|; /^\[zoom\]/,/^\$/d" >"$work/camera.ini"
-tag() { echo "{\"id\": 7, \"dir\": [$1, 1, $2]}" >"$work/world.new" && mv "$work/world.new" "$work/world"; }
-state_near() { # PAN_DEG TILT_DEG
-    line=$(grep '"t_s"' "$work/states" | tail -n 1)
-    near "$(echo "$line" | sed -n 's/.*"pan_deg": \([-0-9.]*\).*/\1/p')" "$1" 0.5 && near "$(echo "$line" | sed -n 's/.*"tilt_deg": \([-0-9.]*\).*/\1/p')" "$2" 0.5
-}
-tag 0.2 0.1 # 11.31, 5.60
-"$boresight" run "$work/camera.ini" --json --state 0.2 --arm --stay >"$work/states" 2>"$work/run.err" &
-runner=$!
-if "$boresight" --version | grep -q 'no libapriltag'; then
-    echo 'SKIP run.can_drives_follow_a_tag: this program was built without libapriltag'
-else
-    until_true 60 state_near 11.31 5.60 && tag -0.1 0.15 && until_true 60 state_near -5.71 8.49
-    verdict run.can_drives_follow_a_tag $? "$work/run.err" "$work/states"
-    sed -i 's/^fx_px = 280/fx_px = 260/' "$work/camera.ini"
-    kill -HUP $runner
-    until_true 60 grep -q 'read again: only the camera changes' "$work/run.err" && until_true 60 grep -q 'the camera is there again' "$work/run.err" &&
-        tag 0.1 0.05 && until_true 60 state_near 5.71 2.85 && ! grep -q 'run: stopped' "$work/run.err"
-    verdict run.other_intrinsics_leave_the_drives_alone $? "$work/run.err" "$work/states"
-fi
-kill -INT $runner
-wait $runner
-[ $? -eq 0 ]
-verdict run.camera_and_drives_end_well $? "$work/run.err"
-end_serve
-ip link del vcan0
-
 # ---------------------------------------------------------------- the journal: a socket where it would stand
 mkdir -p /run/systemd/journal
 python3 -c '
