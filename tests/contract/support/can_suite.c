@@ -381,8 +381,9 @@ static void exercise(struct contract_plan *plan) {
 }
 
 static void fails_at_every_call(void) {
-    contract_each_failure(
-        &(struct contract_failures){fixture->context, fixture->reset, fixture->fail_at}, exercise);
+    contract_each_failure(&(struct contract_failures){fixture->context, fixture->reset,
+                                                      fixture->fail_at, fixture->some_cannot_fail},
+                          exercise);
 }
 
 void can_suite(const struct can_fixture *with) {
