@@ -87,6 +87,8 @@ static void settle(void *context) {
         const bool first = is_quiet(&a, 0), second = is_quiet(&b, 1);
         quiet = first && second && bus->held_count == 0U && bus->node[0].waiting == 0U &&
                 bus->node[1].waiting == 0U && is_quiet(&a, 0) && is_quiet(&b, 1);
+        usb_port_kick(&ports[0]);
+        usb_port_kick(&ports[1]);
         sched_yield();
     }
     CHECK(quiet);
@@ -277,6 +279,7 @@ int main(void) {
                                     .settle = settle,
                                     .bus_off = bus_off,
                                     .fail_at = fail_at,
+                                    .share = 10, // the others in tests/contract/linux_gs_usb.c
                                     .some_cannot_fail = true, // only sending asks the adapter
                                     .receive_capacity = LINUX_GS_USB_QUEUE,
                                     .send_capacity = LINUX_GS_USB_SLOTS});

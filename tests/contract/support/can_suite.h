@@ -26,6 +26,9 @@ struct can_fixture {
     /// Frames that a's send queue holds while the bus is not let run (settle); 0: it runs by
     /// itself.
     uint32_t send_capacity;
+    /// Of the random rounds one in so many, and some lengths and filters left out, for rigs that
+    /// take long; 0: all.
+    uint32_t share;
     /// The rig's bus mangles remote frames that ask for a length: none are sent.
     bool remote_length_lost;
 };

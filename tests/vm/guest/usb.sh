@@ -10,5 +10,3 @@ echo 0 >/sys/devices/system/cpu/cpu1/online
 "$VM_PROGRAMS/gs_usb"
 verdict usb$VM_SUFFIX.gs_usb_ended_well $?
 echo 1 >/sys/devices/system/cpu/cpu1/online
-"$VM_PROGRAMS/linux_gs_usb"
-verdict usb$VM_SUFFIX.linux_gs_usb_ended_well $?
