@@ -117,7 +117,6 @@ static void attend(int rounds) {
     }
 }
 
-/// Every call of the USB layer.
 static void fail_usb(bool on) {
     fake_failures_at(&a.usb.failures, on ? 1U : 0U, on ? UINT32_MAX : 0U, HAL_ERROR_IO);
 }

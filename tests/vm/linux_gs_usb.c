@@ -14,7 +14,6 @@
 
 #include <errno.h>
 #include <glob.h>
-#include <sched.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -89,7 +88,7 @@ static void settle(void *context) {
                 bus->node[1].waiting == 0U && is_quiet(&a, 0) && is_quiet(&b, 1);
         usb_port_kick(&ports[0]);
         usb_port_kick(&ports[1]);
-        sched_yield();
+        usleep(200);
     }
     CHECK(quiet);
     bus->carries = false;
