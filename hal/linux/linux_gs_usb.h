@@ -11,7 +11,8 @@
 ///
 /// Shown: tests/contract/linux_gs_usb.c (every request byte for byte, the contract suite, failures
 /// at every transfer), tests/vm/linux_gs_usb.c (the contract suite on emulated adapters below the
-/// kernel's USB stack, against its own driver, with unplugging).
+/// kernel's USB stack, against its own driver, with unplugging and with failing calls of the
+/// kernel; also with the sanitizers).
 /// Source: the protocol as in Linux' gs_usb driver and candleLight's firmware.
 #ifndef HAL_LINUX_GS_USB_H
 #define HAL_LINUX_GS_USB_H

@@ -4,6 +4,7 @@
 #include "contract/support/can_suite.h"
 #include "contract/support/candle_model.h"
 #include "contract/support/contract.h"
+#include "contract/support/failing_can.h"
 #include "devices/fake_clock.h"
 #include "devices/fake_usb.h"
 
@@ -25,7 +26,8 @@ struct end {
     enum hal_status failure;
 };
 static struct end a, b;
-static char wire[1024]; ///< a's requests as text: type request value index: data
+static struct failing_can failing; ///< in front of a
+static char wire[1024];            ///< a's requests as text: type request value index: data
 static uint32_t features;
 
 static uint32_t adapter_us(void) {
@@ -115,6 +117,10 @@ static void attend(int rounds) {
     }
 }
 
+static void fail_usb(bool on) {
+    fake_failures_at(&a.usb.failures, on ? 1U : 0U, on ? UINT32_MAX : 0U, HAL_ERROR_IO);
+}
+
 static void reset(void *context) {
     (void)context;
     memset(&bus, 0, sizeof bus);
@@ -122,6 +128,12 @@ static void reset(void *context) {
     plug(&a, 0);
     plug(&b, 1);
     attend(10);
+    failing_can_init(&failing, &a.gs.hal, fail_usb);
+}
+
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    return failing_can_at(&failing, nth, status);
 }
 
 static void settle(void *context) {
@@ -160,12 +172,14 @@ static void run_suite(const char *name, uint32_t with) {
     features = with;
     reset(NULL);
     can_suite(&(struct can_fixture){.name = name,
-                                    .a = &a.gs.hal,
+                                    .a = &failing.hal,
                                     .b = &b.gs.hal,
                                     .clock = &clock_.hal,
                                     .reset = reset,
                                     .settle = settle,
                                     .bus_off = bus_off,
+                                    .fail_at = fail_at,
+                                    .some_cannot_fail = true, // only sending asks the adapter
                                     .receive_capacity = LINUX_GS_USB_QUEUE,
                                     .send_capacity = LINUX_GS_USB_SLOTS});
 }

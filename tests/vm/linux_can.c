@@ -3,9 +3,12 @@
 #include "linux/linux_can.h"
 #include "contract/support/can_suite.h"
 #include "contract/support/contract.h"
+#include "contract/support/failing_can.h"
+#include "contract/support/syscalls.h"
 #include "linux/linux_clock.h"
 #include "vm/support/shell.h"
 
+#include <errno.h>
 #include <net/if.h>
 #include <poll.h>
 #include <stdio.h>
@@ -35,6 +38,7 @@ struct counted {
     uint32_t sent;
 };
 static struct counted counted_a, counted_b;
+static struct failing_can failing; ///< in front of that of a
 
 static enum hal_status counted_send(void *ctx, const struct can_frame *frame) {
     struct counted *end = ctx;
@@ -99,6 +103,10 @@ static void settle(void *context) {
     usleep(pair->emulated ? 1000 : 100);
 }
 
+static void fail_kernel(bool on) {
+    syscalls_at(on ? 1 : 0, SYSCALLS_FAIL_ON, EIO);
+}
+
 static void reset(void *context) {
     struct pair *pair = context;
     settle(pair);
@@ -108,6 +116,12 @@ static void reset(void *context) {
     CHECK_EQ(linux_can_open(&b, pair->b, &clock_.hal), HAL_OK);
     count(&counted_a, &a.hal);
     count(&counted_b, &b.hal);
+    failing_can_init(&failing, &counted_a.hal, fail_kernel);
+}
+
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    return failing_can_at(&failing, nth, status);
 }
 
 static void suite_on(const char *name, struct pair *pair) {
@@ -115,12 +129,14 @@ static void suite_on(const char *name, struct pair *pair) {
     pair->witness_b = raw_socket(pair->b);
     reset(pair);
     can_suite(&(struct can_fixture){.name = name,
-                                    .a = &counted_a.hal,
+                                    .a = &failing.hal,
                                     .b = &counted_b.hal,
                                     .clock = &clock_.hal,
                                     .context = pair,
                                     .reset = reset,
                                     .settle = settle,
+                                    .fail_at = fail_at,
+                                    .some_cannot_fail = true, // state and restart ask nobody
                                     // QEMU 7.2 forgets to leave the data of remote frames out.
                                     .remote_length_lost = pair->emulated});
     close(pair->witness_a);

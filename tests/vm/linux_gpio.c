@@ -2,11 +2,13 @@
 #include "linux/linux_gpio.h"
 #include "contract/support/contract.h"
 #include "contract/support/gpio_suite.h"
+#include "contract/support/syscalls.h"
 #include "linux/linux_gpio_pulses.h"
 #include "linux/linux_gpio_steps.h"
 #include "vm/support/shell.h"
 #include "vm/support/sim_gpio.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,10 +20,18 @@ static char chip[32]; ///< gpiochipN
 
 static void reset(void *context) {
     (void)context;
+    syscalls_at(0, SYSCALLS_FAIL, 0);
     linux_gpio_close(&gpio);
     if (!CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, pins, GPIO_SUITE_LINES), HAL_OK)) {
         printf("  %s\n", gpio.error.line);
     }
+}
+
+/// Each reading and each setting is one call of the kernel; a chip that is gone stays so.
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    syscalls_at(nth, SYSCALLS_FAIL, EIO);
+    return status == HAL_ERROR_IO;
 }
 
 static void drive(void *context, uint32_t line, bool high) {
@@ -187,6 +197,7 @@ int main(void) {
                                       .lines = gpio_suite_lines,
                                       .line_count = GPIO_SUITE_LINES,
                                       .reset = reset,
+                                      .fail_at = fail_at,
                                       .drive = drive,
                                       .is_high = is_high});
     CONTRACT("linux_gpio", refusals_say_what_to_do);

@@ -5,13 +5,15 @@
 #include "contract/support/can_suite.h"
 #include "contract/support/candle_model.h"
 #include "contract/support/contract.h"
+#include "contract/support/failing_can.h"
+#include "contract/support/syscalls.h"
 #include "linux/linux_can.h"
 #include "linux/linux_clock.h"
 #include "vm/support/shell.h"
 #include "vm/support/usb_port.h"
 
+#include <errno.h>
 #include <glob.h>
-#include <sched.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -24,6 +26,7 @@ static struct candle_bus *bus;
 static struct candle adapters[3]; ///< nodes 0, 1: ours; 2: the kernel's
 static struct usb_port ports[3];
 static struct linux_gs_usb a, b;
+static struct failing_can failing; ///< in front of a
 static const char *const serials[] = {"0001", "0002", PEER_SERIAL};
 
 static uint32_t adapter_us(void) {
@@ -83,10 +86,22 @@ static void settle(void *context) {
         const bool first = is_quiet(&a, 0), second = is_quiet(&b, 1);
         quiet = first && second && bus->held_count == 0U && bus->node[0].waiting == 0U &&
                 bus->node[1].waiting == 0U && is_quiet(&a, 0) && is_quiet(&b, 1);
-        sched_yield();
+        usb_port_kick(&ports[0]);
+        usb_port_kick(&ports[1]);
+        usleep(200);
     }
     CHECK(quiet);
     bus->carries = false;
+}
+
+/// Every call of the kernel, below libusb.
+static void fail_kernel(bool on) {
+    syscalls_at(on ? 1 : 0, SYSCALLS_FAIL_ON, EIO);
+}
+
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    return failing_can_at(&failing, nth, status);
 }
 
 static void reset(void *context) {
@@ -98,6 +113,7 @@ static void reset(void *context) {
     }
     open_end(&a, 0);
     open_end(&b, 1);
+    failing_can_init(&failing, &a.hal, fail_kernel);
 }
 
 static void bus_off(void *context) {
@@ -255,12 +271,15 @@ int main(void) {
     plug(1);
     reset(NULL);
     can_suite(&(struct can_fixture){.name = "linux_gs_usb",
-                                    .a = &a.hal,
+                                    .a = &failing.hal,
                                     .b = &b.hal,
                                     .clock = &clock_.hal,
                                     .reset = reset,
                                     .settle = settle,
                                     .bus_off = bus_off,
+                                    .fail_at = fail_at,
+                                    .share = 10, // the others in tests/contract/linux_gs_usb.c
+                                    .some_cannot_fail = true, // only sending asks the adapter
                                     .receive_capacity = LINUX_GS_USB_QUEUE,
                                     .send_capacity = LINUX_GS_USB_SLOTS});
     CONTRACT("linux_gs_usb", the_kernels_driver_agrees);

@@ -20,11 +20,15 @@ struct can_fixture {
     void (*bus_off)(void *context);
     /// Fails a call of a: see contract.h.
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool some_cannot_fail;
     /// Frames that b's receive queue holds; 0: unknown.
     uint32_t receive_capacity;
     /// Frames that a's send queue holds while the bus is not let run (settle); 0: it runs by
     /// itself.
     uint32_t send_capacity;
+    /// Of the random rounds one in so many, and some lengths and filters left out, for rigs that
+    /// take long; 0: all.
+    uint32_t share;
     /// The rig's bus mangles remote frames that ask for a length: none are sent.
     bool remote_length_lost;
 };

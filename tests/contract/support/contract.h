@@ -79,6 +79,8 @@ struct contract_failures {
     void *context;
     void (*reset)(void *context);
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    /// Some calls ask nobody, so they don't fail when it is their turn.
+    bool some_cannot_fail;
 };
 
 void contract_each_failure(const struct contract_failures *hands,

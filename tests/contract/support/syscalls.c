@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -82,7 +83,8 @@ static bool is_due(const char *name) {
     const size_t size = strlen(plan.log);
     snprintf(plan.log + size, sizeof plan.log - size, "%s ", name);
     plan.count++;
-    if (plan.count != plan.nth) {
+    const bool after = plan.fate == SYSCALLS_FAIL_ON && plan.nth != 0U && plan.count > plan.nth;
+    if (plan.count != plan.nth && !after) {
         return false;
     }
     if (plan.fate == SYSCALLS_INTRUDE) {
@@ -99,7 +101,7 @@ static bool is_due(const char *name) {
 
 /// What a call that is due gives instead of its work; false: it does its work and dies then.
 static bool is_replaced(int *result) {
-    if (plan.fate == SYSCALLS_FAIL) {
+    if (plan.fate == SYSCALLS_FAIL || plan.fate == SYSCALLS_FAIL_ON) {
         errno = plan.error_number;
         *result = -1;
         return true;
@@ -138,6 +140,10 @@ static void find(void *function, const char *name) {
 PASS_ON(ssize_t, read, (int fd, void *data, size_t size), (fd, data, size))
 PASS_ON(ssize_t, write, (int fd, const void *data, size_t size), (fd, data, size))
 PASS_ON(ssize_t, pread, (int fd, void *data, size_t size, off_t at), (fd, data, size, at))
+PASS_ON(ssize_t, recv, (int fd, void *data, size_t size, int flags), (fd, data, size, flags))
+PASS_ON(ssize_t, recvmsg, (int fd, struct msghdr *message, int flags), (fd, message, flags))
+PASS_ON(int, setsockopt, (int fd, int level, int name, const void *value, socklen_t size),
+        (fd, level, name, value, size))
 PASS_ON(int, fsync, (int fd), (fd))
 PASS_ON(int, fdatasync, (int fd), (fd))
 PASS_ON(int, ftruncate, (int fd, off_t size), (fd, size))

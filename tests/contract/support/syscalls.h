@@ -13,6 +13,8 @@
 enum syscalls_fate {
     /// Fails with the errno, with no effect.
     SYSCALLS_FAIL,
+    /// So do all that come after it.
+    SYSCALLS_FAIL_ON,
     /// Gives 0 (the end of a file, nothing written).
     SYSCALLS_ZERO,
     /// Somebody else acts just before it (syscalls_intruder), then it does its work.

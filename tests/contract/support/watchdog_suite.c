@@ -118,7 +118,8 @@ static void exercise(struct contract_plan *plan) {
 
 static void fails_at_every_call(void) {
     contract_each_failure(
-        &(struct contract_failures){fixture->context, fixture->reset, fixture->fail_at}, exercise);
+        &(struct contract_failures){fixture->context, fixture->reset, fixture->fail_at, false},
+        exercise);
 }
 
 void watchdog_suite(const struct watchdog_fixture *with) {

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
@@ -188,14 +189,16 @@ static void submit(struct server *server, const struct header *header) {
     }
 }
 
-static void serve(int fd, const struct usb_model *model) {
+static void serve(int fd, int kick_fd, const struct usb_model *model) {
     static struct server server;
     server.fd = fd;
     server.model = model;
     for (;;) {
         struct header header;
-        struct pollfd ready = {fd, POLLIN, 0};
-        while (poll(&ready, 1, 2) == 0) {
+        struct pollfd ready[] = {{fd, POLLIN, 0}, {kick_fd, POLLIN, 0}};
+        while (poll(ready, 2, 2) <= 0 || ready[0].revents == 0) {
+            uint64_t kicks;
+            (void)!read(kick_fd, &kicks, sizeof kicks);
             serve_pending(&server); // the model may have been given something by the test
         }
         transfer(fd, &header, sizeof header, false);
@@ -221,12 +224,14 @@ void usb_port_plug(struct usb_port *port, unsigned number, const struct usb_mode
     snprintf(text, sizeof text, "%u %d %u %u", number, ends[0], 0x10001U + number,
              (unsigned)model->speed);
     CHECK(attach != NULL && fputs(text, attach) >= 0 && fclose(attach) == 0);
+    port->kick_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    CHECK(port->kick_fd >= 0);
     fflush(stdout);
     port->child = fork();
     if (port->child == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         close(ends[0]);
-        serve(ends[1], model);
+        serve(ends[1], port->kick_fd, model);
     }
     close(ends[0]);
     close(ends[1]);
@@ -253,12 +258,20 @@ void usb_port_unplug(struct usb_port *port) {
         kill(port->child, SIGKILL);
         waitpid(port->child, NULL, 0);
         port->child = 0;
+        close(port->kick_fd);
         int tries = 500;
         while (tries > 0 && !is_free(port->number)) {
             usleep(10000);
             tries--;
         }
         CHECK(tries > 0);
+    }
+}
+
+void usb_port_kick(const struct usb_port *port) {
+    const uint64_t once = 1;
+    if (port->child > 0) {
+        (void)!write(port->kick_fd, &once, sizeof once);
     }
 }
 

@@ -35,12 +35,17 @@ struct usb_model {
 struct usb_port {
     pid_t child;
     unsigned number;
+    int kick_fd;
 };
 
 /// Plugs a device into a port (0 to 7). The kernel then takes its time to look at it.
 void usb_port_plug(struct usb_port *port, unsigned number, const struct usb_model *model);
 /// Pulls it out, with everything that is under way, and waits until the kernel has noticed.
 void usb_port_unplug(struct usb_port *port);
+
+/// Lets the model look now whether it has something for its IN endpoints; without that it looks
+/// every few milliseconds.
+void usb_port_kick(const struct usb_port *port);
 
 /// Memory that the child shares with the test.
 void *usb_port_share(size_t size_bytes);
