@@ -7,7 +7,7 @@ hal_suite_o := $(hal_suite_c:%.c=$(B)/mcu/hal/%.o)
 $(B)/mcu/hal/%.o: %.c
 	@mkdir -p $(@D)
 	$(say) CC $@
-	arm-none-eabi-gcc $(arm_flags) -Ihal -Itests -Itests/mcu/hal/libc -Iboards/stm32f405 -mcpu=cortex-m4 -MMD -MP -c $< -o $@
+	arm-none-eabi-gcc $(arm_flags) -Ihal -Itests -Itests/mcu/hal/libc -Iboards -Iboards/stm32f405 -mcpu=cortex-m4 -MMD -MP -c $< -o $@
 -include $(hal_suite_o:.o=.d)
 
 # Interrupt handlers and drivers are those of the board's image, its main() is not.
