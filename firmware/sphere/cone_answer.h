@@ -31,7 +31,8 @@ struct cone_farthest {
 };
 
 /// Cosine of the angle between the axis and a point, within 2^5 units. False: the point is no unit
-/// vector in Q1.30 (but for 2^-30 of its length). Cost: seven products of 64 bits.
+/// vector in Q1.30 (but for 2^-30 of its length).
+/// Cost: seven products of 64 bits. Accuracy: as said. Source: docs/geometry.md, "Exact decisions".
 static inline bool cone_cosine(struct vec3 axis_q30, struct vec3 point, int64_t *cosine_q60) {
     const int64_t excess = (int64_t)(vec3_norm2(point) - (UINT64_C(1) << 60));
     const int64_t dot = vec3_dot_unit(axis_q30, point);
@@ -43,7 +44,7 @@ static inline bool cone_cosine(struct vec3 axis_q30, struct vec3 point, int64_t 
     return true;
 }
 
-/// Begins with a point. Cost: that of cone_cosine.
+/// Begins with a point. Cost, accuracy, source: those of cone_cosine.
 static inline void cone_farthest_start(struct cone_farthest *farthest, const struct vec3 *points,
                                        struct vec3 axis_q30, uint32_t index) {
     farthest->points = points;
@@ -52,7 +53,7 @@ static inline void cone_farthest_start(struct cone_farthest *farthest, const str
     farthest->cosine_known = cone_cosine(axis_q30, points[index], &farthest->cosine_q60);
 }
 
-/// Adds a point. Cost: see above.
+/// Adds a point. Cost, accuracy, source: see struct cone_farthest.
 static inline void cone_farthest_add(struct cone_farthest *farthest, uint32_t index) {
     const struct vec3 point = farthest->points[index];
     int64_t cosine_q60;

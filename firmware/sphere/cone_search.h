@@ -4,6 +4,9 @@
 /// blocks, of which most are read once) only. `units` are the points in Q1.30 with a length within
 /// 2^-29 of one: the points themselves, or copies in the workspace. Filters read units; decisions
 /// are made on the points, normalised to Q2.61 (min_norm.h).
+///
+/// Cost: a few comparisons where none is stated. Accuracy: what is decided is exact for the points
+/// normalised to Q2.61. Source: docs/geometry.md, "The pivot solver".
 #ifndef SPHERE_CONE_SEARCH_H
 #define SPHERE_CONE_SEARCH_H
 
