@@ -1,27 +1,23 @@
 #include "fixed/trig.h"
 
+#include "fixed/trig_series.h"
 #include "fixed/wide.h"
 
-/// Product of two Q63 fractions in [0, 1], rounded down.
-static uint64_t mul_q63(uint64_t a, uint64_t b) {
-    return u64_mul_high(a, b) << 1;
-}
+const uint64_t trig_sin_terms[TRIG_TERMS] = {
+    UINT64_C(0x6487ED5110B4611A), UINT64_C(0x0A55DE7312DF295F), UINT64_C(0x00519AF19DD6AB87),
+    UINT64_C(0x000132D2CCE62BD8), UINT64_C(0x000002A0F0690FDD), UINT64_C(0x00000003C60E9FBD),
+    UINT64_C(0x0000000003D1E86A), UINT64_C(0x000000000002DF5B), UINT64_C(0x00000000000001AB),
+    UINT64_C(0x0000000000000001)};
+const uint64_t trig_cos_terms[TRIG_TERMS] = {
+    UINT64_C(0x8000000000000000), UINT64_C(0x277A79937C8BBCB5), UINT64_C(0x020783E1036B5876),
+    UINT64_C(0x000AAE9E3F1E5FFD), UINT64_C(0x00001E1F506891BB), UINT64_C(0x00000034DA3E5441),
+    UINT64_C(0x000000003F3A7147), UINT64_C(0x000000000036DC4A), UINT64_C(0x0000000000002419),
+    UINT64_C(0x0000000000000013)};
 
-/// (pi/4)^n / n! for n = 1, 3, ... 13 and n = 0, 2, ... 14 in Q63.
-static const uint64_t sin_terms[] = {UINT64_C(0x6487ED5110B4611A), UINT64_C(0x0A55DE7312DF295F),
-                                     UINT64_C(0x00519AF19DD6AB87), UINT64_C(0x000132D2CCE62BD8),
-                                     UINT64_C(0x000002A0F0690FDD), UINT64_C(0x00000003C60E9FBD),
-                                     UINT64_C(0x0000000003D1E86A)};
-static const uint64_t cos_terms[] = {UINT64_C(0x8000000000000000), UINT64_C(0x277A79937C8BBCB5),
-                                     UINT64_C(0x020783E1036B5876), UINT64_C(0x000AAE9E3F1E5FFD),
-                                     UINT64_C(0x00001E1F506891BB), UINT64_C(0x00000034DA3E5441),
-                                     UINT64_C(0x000000003F3A7147), UINT64_C(0x000000000036DC4A)};
-
-/// terms[0] - t2 (terms[1] - t2 (terms[2] - ...)): an alternating series, each bracket positive.
-static uint64_t alternating_series(const uint64_t *terms, unsigned count, uint64_t t2) {
+uint64_t trig_series(const uint64_t *terms, unsigned count, uint64_t t2) {
     uint64_t sum = terms[count - 1U];
     for (unsigned i = count - 1U; i != 0U; i--) {
-        sum = terms[i - 1U] - mul_q63(t2, sum);
+        sum = terms[i - 1U] - trig_mul_q63(t2, sum);
     }
     return sum;
 }
@@ -31,10 +27,9 @@ static q30_t q30_from_q63(uint64_t value) {
 }
 
 struct trig_octant trig_octant(uint32_t x_bam) {
-    const uint64_t t = (uint64_t)x_bam << 34, t2 = mul_q63(t, t);
-    return (struct trig_octant){
-        .sin_by_t_q63 = alternating_series(sin_terms, sizeof sin_terms / sizeof *sin_terms, t2),
-        .cos_q63 = alternating_series(cos_terms, sizeof cos_terms / sizeof *cos_terms, t2)};
+    const uint64_t t = (uint64_t)x_bam << 34, t2 = trig_mul_q63(t, t);
+    return (struct trig_octant){.sin_by_t_q63 = trig_series(trig_sin_terms, 7, t2),
+                                .cos_q63 = trig_series(trig_cos_terms, 8, t2)};
 }
 
 struct sincos trig_sincos(bam32_t angle) {
@@ -46,7 +41,7 @@ struct sincos trig_sincos(bam32_t angle) {
         x = BAM32_QUARTER - x;
     }
     const struct trig_octant octant = trig_octant(x);
-    const q30_t small = q30_from_q63(mul_q63((uint64_t)x << 34, octant.sin_by_t_q63));
+    const q30_t small = q30_from_q63(trig_mul_q63((uint64_t)x << 34, octant.sin_by_t_q63));
     const q30_t large = q30_from_q63(octant.cos_q63);
     const q30_t s = upper_octant ? large : small, c = upper_octant ? small : large;
     switch (quadrant) {
@@ -91,21 +86,30 @@ static const uint64_t atan_table[65] = {
 #define ONE_FIFTH_Q64           UINT64_C(0x3333333333333333)
 #define ONE_SEVENTH_Q64         UINT64_C(0x2492492492492492)
 
-/// atan(y / x) for 0 <= y <= x, 0 < x < 2^57.
+/// rise / run, Q64, within 16 units, for rise <= run / 128 and run >= 2^62. Two digits, for which
+/// the leading 32 bits of run are divisor enough.
+static uint64_t small_quotient_q64(uint64_t rise, uint64_t run) {
+    const uint64_t leading = run >> 32, rest = run & UINT32_MAX;
+    // rise / run, Q32, a little too small: at most 2^25.
+    const uint64_t high = rise / (leading + 1U);
+    // Half of what that leaves of rise 2^32: below 2^64.
+    const uint64_t left = ((rise - high * leading) << 31) - (high * rest >> 1);
+    return (high << 32) + left / (leading >> 1);
+}
+
+/// atan(y / x) for 0 <= y <= x, 2^56 <= x < 2^57.
 static uint64_t atan_octant(uint64_t y, uint64_t x) {
     // tan(a - b) = (y - m x) / (x + m y) with m = k/64 the tabulated tangent nearest to y/x.
     const uint64_t k = (64U * y + x / 2U) / x;
     const uint64_t scaled_y = 64U * y, near = k * x;
     const uint64_t rise = scaled_y >= near ? scaled_y - near : near - scaled_y;
-    const uint64_t run = 64U * x + k * y; // below 2^64: 128 x
-    uint64_t rest;
-    const uint64_t t =
-        u128_div_u64((struct u128){0, rise}, run, &rest); // tan of the remainder, Q64
-    const uint64_t t2 = u64_mul_high(t, t);
-    uint64_t series = ONE_FIFTH_Q64 - u64_mul_high(t2, ONE_SEVENTH_Q64);
-    series = ONE_THIRD_Q64 - u64_mul_high(t2, series);
-    const uint64_t radians = t - u64_mul_high(t, u64_mul_high(t2, series));
-    const uint64_t turns = u64_mul_high(radians, ONE_TURN_PER_RADIAN_Q64);
+    const uint64_t run = 64U * x + k * y;             // below 2^64: 128 x
+    const uint64_t t = small_quotient_q64(rise, run); // tan of the remainder, at most 1/128
+    const uint64_t t2 = u64_mul_high_near(t, t);
+    uint64_t series = ONE_FIFTH_Q64 - u64_mul_high_near(t2, ONE_SEVENTH_Q64);
+    series = ONE_THIRD_Q64 - u64_mul_high_near(t2, series);
+    const uint64_t radians = t - u64_mul_high_near(t, u64_mul_high_near(t2, series));
+    const uint64_t turns = u64_mul_high_near(radians, ONE_TURN_PER_RADIAN_Q64);
     return scaled_y >= near ? atan_table[k] + turns : atan_table[k] - turns;
 }
 

@@ -1,43 +1,18 @@
 #include "fixed/trig_fine.h"
 
 #include "fixed/trig.h"
+#include "fixed/trig_series.h"
 #include "fixed/wide.h"
-
-/// Product of two Q63 fractions in [0, 1], rounded down.
-static uint64_t mul_q63(uint64_t a, uint64_t b) {
-    return u64_mul_high(a, b) << 1;
-}
-
-/// (pi/4)^n / n! for n = 1, 3, ... 19 and n = 0, 2, ... 18 in Q63.
-static const uint64_t fine_sin_terms[] = {
-    UINT64_C(0x6487ED5110B4611A), UINT64_C(0x0A55DE7312DF295F), UINT64_C(0x00519AF19DD6AB87),
-    UINT64_C(0x000132D2CCE62BD8), UINT64_C(0x000002A0F0690FDD), UINT64_C(0x00000003C60E9FBD),
-    UINT64_C(0x0000000003D1E86A), UINT64_C(0x000000000002DF5B), UINT64_C(0x00000000000001AB),
-    UINT64_C(0x0000000000000001)};
-static const uint64_t fine_cos_terms[] = {
-    UINT64_C(0x8000000000000000), UINT64_C(0x277A79937C8BBCB5), UINT64_C(0x020783E1036B5876),
-    UINT64_C(0x000AAE9E3F1E5FFD), UINT64_C(0x00001E1F506891BB), UINT64_C(0x00000034DA3E5441),
-    UINT64_C(0x000000003F3A7147), UINT64_C(0x000000000036DC4A), UINT64_C(0x0000000000002419),
-    UINT64_C(0x0000000000000013)};
-#define TERM_COUNT (sizeof fine_sin_terms / sizeof *fine_sin_terms)
-
-/// terms[0] - t2 (terms[1] - t2 (terms[2] - ...)): an alternating series, each bracket positive.
-static uint64_t alternating_series(const uint64_t *terms, uint64_t t2) {
-    uint64_t sum = terms[TERM_COUNT - 1U];
-    for (unsigned i = TERM_COUNT - 1U; i != 0U; i--) {
-        sum = terms[i - 1U] - mul_q63(t2, sum);
-    }
-    return sum;
-}
 
 struct sincos_q62 trig_fine_sincos(uint64_t turn64) {
     const unsigned quadrant = (unsigned)(turn64 >> 62);
     uint64_t x = turn64 & (TURN64_QUARTER - 1U);
     const bool upper_octant = x > TURN64_QUARTER / 2U;
     x = upper_octant ? TURN64_QUARTER - x : x;
-    const uint64_t t = x << 2, t2 = mul_q63(t, t);
-    const int64_t small = (int64_t)((mul_q63(t, alternating_series(fine_sin_terms, t2)) + 1U) >> 1);
-    const int64_t large = (int64_t)((alternating_series(fine_cos_terms, t2) + 1U) >> 1);
+    const uint64_t t = x << 2, t2 = trig_mul_q63(t, t);
+    const int64_t small =
+        (int64_t)((trig_mul_q63(t, trig_series(trig_sin_terms, TRIG_TERMS, t2)) + 1U) >> 1);
+    const int64_t large = (int64_t)((trig_series(trig_cos_terms, TRIG_TERMS, t2) + 1U) >> 1);
     const int64_t s = upper_octant ? large : small, c = upper_octant ? small : large;
     switch (quadrant) {
     case 0:

@@ -110,20 +110,31 @@ struct vec3_i64 vec3_normalise_q61(struct vec3 a) {
     return normalise_any_q61(a);
 }
 
-static uint64_t largest_component(struct vec3_i64 a) {
-    const uint64_t x = u64_abs(a.x), y = u64_abs(a.y), z = u64_abs(a.z);
-    const uint64_t xy = x > y ? x : y;
-    return xy > z ? xy : z;
-}
+/// Sizes of components.
+struct size3 {
+    uint64_t x, y, z;
+};
 
-/// Squared length; components at most 2^62 in size.
-static struct u128 norm2_i64(struct vec3_i64 a) {
-    const struct i128 square = vec3_i64_dot(a, a);
-    return (struct u128){square.lo, (uint64_t)square.hi};
+/// A squared length: squares 2^62 + products 2^32 + rest. From sizes of at most 2^62, each taken as
+/// high 2^31 + low, the sums of the three kinds of products fit 64 bits.
+struct norm2 {
+    uint64_t squares, products, rest;
+};
+
+static inline struct norm2 norm2_of(struct size3 a) {
+    const uint32_t xh = (uint32_t)(a.x >> 31), xl = a.x & INT32_MAX;
+    const uint32_t yh = (uint32_t)(a.y >> 31), yl = a.y & INT32_MAX;
+    const uint32_t zh = (uint32_t)(a.z >> 31), zl = a.z & INT32_MAX;
+    return (struct norm2){.squares = (uint64_t)xh * xh + (uint64_t)yh * yh + (uint64_t)zh * zh,
+                          .products = (uint64_t)xh * xl + (uint64_t)yh * yl + (uint64_t)zh * zl,
+                          .rest = (uint64_t)xl * xl + (uint64_t)yl * yl + (uint64_t)zl * zl};
 }
 
 uint64_t vec3_i64_length(struct vec3_i64 a) {
-    return root_u128(norm2_i64(a));
+    const struct norm2 n = norm2_of((struct size3){u64_abs(a.x), u64_abs(a.y), u64_abs(a.z)});
+    return root_u128(u128_add(
+        (struct u128){n.squares << 62, n.squares >> 2},
+        u128_add((struct u128){n.products << 32, n.products >> 32}, (struct u128){n.rest, 0})));
 }
 
 static struct i128 square_i64(int64_t a) {
@@ -143,62 +154,93 @@ static bool rounds_below_i64(int64_t component, struct vec3_i64 a, uint64_t cand
 }
 
 /// 1 / sqrt(m) in Q62 for m = n / 2^64, n at least 2^62: relative 2^-55.
-/// Newton's iteration doubles the digits; three steps in 32 bits, one in 64.
+/// Newton's iteration doubles the digits: three steps in 32 bits, one in 64.
 static uint64_t inverse_root_q62(uint64_t n) {
     const uint32_t m = (uint32_t)(n >> 32);
-    // A straight line through the range, 9 % off at most: 2.26 - 1.35 m, in Q29.
-    uint32_t y = UINT32_C(1213000000) - (uint32_t)((uint64_t)m * UINT32_C(724800000) >> 32);
-    for (unsigned i = 0; i < 4U; i++) { // 9e-2, 1.2e-2, 2.2e-4, 7e-8, 2^-28
+    // A parabola through the range, 2.4 % off at most: 2.67 - 3.29 m + 1.64 m^2, in Q29.
+    const uint32_t slope =
+        UINT32_C(1763812404) - (uint32_t)((uint64_t)m * UINT32_C(879699425) >> 32);
+    uint32_t y = UINT32_C(1433893831) - (uint32_t)((uint64_t)m * slope >> 32);
+    for (unsigned i = 0; i < 3U; i++) { // 2.4e-2, 8.7e-4, 1.2e-6, 2^-28
         const uint32_t y2 = (uint32_t)((uint64_t)y * y >> 29);
         const uint32_t less = (UINT32_C(3) << 29) - (uint32_t)((uint64_t)m * y2 >> 32);
         y = (uint32_t)((uint64_t)y * less >> 30);
     }
     // y (1 + r / 2) with r = 1 - m y^2, |r| < 2^-26.
-    const int64_t r_q58 = (int64_t)((UINT64_C(1) << 58) - u64_mul_high(n, (uint64_t)y * y));
+    const int64_t r_q58 = (int64_t)((UINT64_C(1) << 58) - u64_mul_high_near(n, (uint64_t)y * y));
     return ((uint64_t)y << 33) + (uint64_t)((int64_t)y * r_q58 >> 26);
 }
 
-/// component / |a| * 2^30, correctly rounded, from `fine`: the same with 24 bits more, good to 4
-/// units.
-static int32_t round_component(int64_t component, struct vec3_i64 a, uint64_t fine) {
-    const uint64_t half = UINT64_C(1) << 23, fraction = fine & (2U * half - 1U);
-    uint64_t rounded = fine >> 24;
-    if (fraction >= half - 8U && fraction <= half + 8U) { // too close to a tie to tell
-        rounded += rounds_below_i64(component, a, rounded + 1U) ? 0U : 1U;
-    } else {
-        rounded += fraction > half ? 1U : 0U;
-    }
-    return component < 0 ? -(int32_t)rounded : (int32_t)rounded;
+/// Sizes in Q54 have 24 bits more than Q30.
+#define FINE_BITS 24U
+#define FINE_HALF (UINT64_C(1) << (FINE_BITS - 1U))
+/// Those of a normalised vector are good to 4 units.
+#define FINE_BAND UINT64_C(8)
+
+/// Of a / |a| in Q54. zeros: leading ones of the largest, below 64.
+static struct size3 normalise_finely(struct size3 a, unsigned zeros) {
+    // The largest one gets its leading bit at position 61. At most two bits too many are cut: 2^-62
+    // of the length.
+    const struct size3 scaled =
+        zeros >= 2U ? (struct size3){a.x << (zeros - 2U), a.y << (zeros - 2U), a.z << (zeros - 2U)}
+                    : (struct size3){a.x >> (2U - zeros), a.y >> (2U - zeros), a.z >> (2U - zeros)};
+    // |scaled|^2, without the rest, is n 2^even, so size / |scaled| = size / sqrt(n / 2^64) / 2^(32
+    // + even / 2).
+    const struct norm2 norm2 = norm2_of(scaled);                 // 2^122 to 3 * 2^124
+    const uint64_t top = norm2.squares + (norm2.products >> 30); // even is 62
+    const bool large = top >> 62 != 0U;
+    const uint64_t n = large ? top : (norm2.squares << 2) + (norm2.products >> 28); // or 60
+    const uint64_t inverse_q62 = inverse_root_q62(n);
+    // size (62 bits) * Q62 / 2^64 / 2^(even / 2 - 24) = Q54
+    const unsigned shift = large ? 7U : 6U;
+    return (struct size3){u64_mul_high_near(scaled.x, inverse_q62) >> shift,
+                          u64_mul_high_near(scaled.y, inverse_q62) >> shift,
+                          u64_mul_high_near(scaled.z, inverse_q62) >> shift};
 }
 
-/// With the leading bit of the largest component at position 61. At most two bits too long are cut:
-/// 2^-62 of the length.
-static struct vec3_i64 scale_to_62_bits(struct vec3_i64 a, unsigned zeros) {
-    if (zeros >= 2U) {
-        const unsigned shift = zeros - 2U;
-        return (struct vec3_i64){(int64_t)((uint64_t)a.x << shift),
-                                 (int64_t)((uint64_t)a.y << shift),
-                                 (int64_t)((uint64_t)a.z << shift)};
+/// Is the fine size so near to the middle between two Q30 sizes that its error could round it the
+/// other way?
+static inline bool is_near_tie(uint64_t fine, uint64_t band) {
+    return (fine & (2U * FINE_HALF - 1U)) - (FINE_HALF - band) <= 2U * band;
+}
+
+static inline int32_t rounded(int64_t sign, uint64_t fine) {
+    const int32_t size = (int32_t)((fine + FINE_HALF) >> FINE_BITS);
+    return sign < 0 ? -size : size;
+}
+
+bool vec3_i64_normalise_within(struct vec3_i64 a, uint32_t error, struct vec3 *unit_q30) {
+    const struct size3 size = {u64_abs(a.x), u64_abs(a.y), u64_abs(a.z)};
+    const unsigned zeros = u64_leading_zeros(size.x | size.y | size.z);
+    // |a| is at least 2^(63 - zeros), so errors of each component turn and stretch it by less than
+    // 2 error / 2^(63 - zeros) of a unit, and that is 2^54 fine ones.
+    const uint64_t band = FINE_BAND + (((uint64_t)error << (zeros & 31U)) >> 8);
+    if (zeros == 64U || (error != 0U && zeros > 31U) || band >= FINE_HALF) {
+        *unit_q30 = vec3(0, 0, 0);
+        return false;
     }
-    const int64_t by = (int64_t)1 << (2U - zeros);
-    return (struct vec3_i64){a.x / by, a.y / by, a.z / by};
+    const struct size3 fine = normalise_finely(size, zeros);
+    *unit_q30 = vec3(rounded(a.x, fine.x), rounded(a.y, fine.y), rounded(a.z, fine.z));
+    return !is_near_tie(fine.x, band) && !is_near_tie(fine.y, band) && !is_near_tie(fine.z, band);
+}
+
+/// component / |a| * 2^30, correctly rounded, from a guess that is at most 1 off.
+static int32_t round_exactly(int64_t component, struct vec3_i64 a, int32_t guess) {
+    uint64_t size = u64_abs(guess) + 1U;
+    while (size != 0U && rounds_below_i64(component, a, size)) {
+        size--;
+    }
+    return component < 0 ? -(int32_t)size : (int32_t)size;
 }
 
 struct vec3 vec3_i64_normalise(struct vec3_i64 a) {
-    const uint64_t largest = largest_component(a);
-    if (largest == 0U) {
-        return vec3(0, 0, 0);
+    struct vec3 unit;
+    if (!vec3_i64_normalise_within(a, 0, &unit) && (a.x | a.y | a.z) != 0) {
+        unit.x = round_exactly(a.x, a, unit.x);
+        unit.y = round_exactly(a.y, a, unit.y);
+        unit.z = round_exactly(a.z, a, unit.z);
     }
-    const struct vec3_i64 scaled = scale_to_62_bits(a, u64_leading_zeros(largest));
-    // |scaled|^2 = n 2^even, so size / |scaled| = size / sqrt(n / 2^64) / 2^(32 + even / 2).
-    const struct u128 norm2 = norm2_i64(scaled); // 2^122 to 3 * 2^124
-    const unsigned even = norm2.hi >> 60 != 0U ? 62U : 60U;
-    const uint64_t n = (norm2.hi << (64U - even)) | (norm2.lo >> even);
-    const uint64_t inverse_q62 = inverse_root_q62(n);
-    const unsigned shift = even / 2U - 24U; // size (62 bits) * Q62 / 2^64 / 2^(even / 2 - 24) = Q54
-    return vec3(round_component(a.x, a, u64_mul_high(u64_abs(scaled.x), inverse_q62) >> shift),
-                round_component(a.y, a, u64_mul_high(u64_abs(scaled.y), inverse_q62) >> shift),
-                round_component(a.z, a, u64_mul_high(u64_abs(scaled.z), inverse_q62) >> shift));
+    return unit;
 }
 
 struct vec3 vec3_normalise(struct vec3 a) {

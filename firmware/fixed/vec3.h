@@ -5,6 +5,7 @@
 #ifndef FIXED_VEC3_H
 #define FIXED_VEC3_H
 
+#include "fixed/must_check.h"
 #include "fixed/q30.h"
 #include "fixed/wide.h"
 
@@ -105,6 +106,12 @@ struct vec3_i64 vec3_normalise_q61(struct vec3 a);
 /// Accuracy: correctly rounded like vec3_normalise: the bits depend on the direction only
 ///           (tests/property/fixed_vectors.c).
 struct vec3 vec3_i64_normalise(struct vec3_i64 a);
+
+/// The same for a vector that is only known to `error` units a component. False: the bits depend on
+/// what is not known (always, if the largest component is below 2^32), and unit_q30 is not set or a
+/// guess.
+/// Shown: tests/property/fixed_vectors.c.
+bool vec3_i64_normalise_within(struct vec3_i64 a, uint32_t error, struct vec3 *unit_q30) MUST_CHECK;
 
 /// floor(|a|) of any int64 vector with components of at most 2^62 in size.
 uint64_t vec3_i64_length(struct vec3_i64 a);

@@ -9,6 +9,8 @@
 #ifndef FIXED_WIDE_H
 #define FIXED_WIDE_H
 
+#include "fixed/not_inline.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -30,7 +32,7 @@ struct i256 {
 };
 
 /// Full product of two unsigned 64-bit numbers.
-static inline struct u128 u128_mul(uint64_t a, uint64_t b) {
+INLINE_BUT_ON_M0PLUS struct u128 u128_mul(uint64_t a, uint64_t b) {
     const uint64_t a0 = (uint32_t)a, a1 = a >> 32, b0 = (uint32_t)b, b1 = b >> 32;
     const uint64_t low = a0 * b0;
     const uint64_t mid1 = a1 * b0 + (low >> 32); // at most 2^64 - 2^32: no carry
@@ -53,6 +55,12 @@ static inline int u128_cmp(struct u128 a, struct u128 b) {
 /// The high 64 bits of a * b: the product of two fractions of 2^64.
 static inline uint64_t u64_mul_high(uint64_t a, uint64_t b) {
     return u128_mul(a, b).hi;
+}
+
+/// The same, or up to 2 less: what can do with that saves a product and the carries.
+INLINE_BUT_ON_M0PLUS uint64_t u64_mul_high_near(uint64_t a, uint64_t b) {
+    const uint64_t a0 = (uint32_t)a, a1 = a >> 32, b0 = (uint32_t)b, b1 = b >> 32;
+    return a1 * b1 + (a1 * b0 >> 32) + (a0 * b1 >> 32);
 }
 
 static inline uint64_t u64_abs(int64_t a) {
@@ -93,7 +101,7 @@ static inline int i128_cmp(struct i128 a, struct i128 b) {
 }
 
 /// Full product of two signed 64-bit numbers; every pair fits.
-static inline struct i128 i128_mul(int64_t a, int64_t b) {
+INLINE_BUT_ON_M0PLUS struct i128 i128_mul(int64_t a, int64_t b) {
     const struct u128 p = u128_mul((uint64_t)a, (uint64_t)b);
     uint64_t hi = p.hi;
     hi -= a < 0 ? (uint64_t)b : 0U;

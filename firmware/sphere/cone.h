@@ -93,13 +93,12 @@ struct cone_result {
 /// points:   count directions, components any int32; not modified.
 /// Returns:  a status; result is set as far as the status says.
 /// Cost:     expected O(count): each point is read about once, whatever the order (make
-/// bench-cone); with a warm start
-///           once. No allocation, no recursion.
+///           bench-cone); with a warm start once. Ten unit vectors take 2,900 instructions on
+///           x86-64, 3,500 on a Cortex-M4 (tests/gate/cone.sh). No allocation, no recursion.
 /// Accuracy: the largest true angle from axis_q30 exceeds the optimum by at most 1 nrad, and
-/// half_angle_turn64
-///           exceeds that angle by at most 2^-50 turns (tests/property/cone_random.c,
-///           tests/unit/test_cone_vectors.c). Feasibility is exact. Scaling, permuting or repeating
-///           points changes no bit of the axis.
+///           half_angle_turn64 exceeds that angle by at most 2^-50 turns
+///           (tests/property/cone_random.c, tests/unit/test_cone_vectors.c). Feasibility is exact.
+///           Scaling, permuting or repeating points changes no bit of the axis.
 /// Source:   Anderson 1985, section 4.3, Lawson 1965; docs/geometry.md, "The pivot solver".
 enum cone_status cone_narrowest(const struct vec3 *points, uint32_t count,
                                 const struct cone_options *options,

@@ -15,6 +15,59 @@
 /// Source:   docs/geometry.md, "Exact decisions": cosines compared by their signed squares.
 bool cone_is_farther(struct vec3 axis_q30, struct vec3 a, struct vec3 b);
 
+/// The point at the largest true angle from an axis, of those that are added; of several at one
+/// angle the first. Any int32 directions.
+/// Cost:     seven products of 64 bits a point; two points within 2^-54 of cosine, and those that
+/// are
+///           no unit vectors, cost a cone_is_farther.
+/// Accuracy: exact.
+/// Source:   as cone_is_farther.
+struct cone_farthest {
+    const struct vec3 *points;
+    struct vec3 axis_q30;
+    uint32_t index;     ///< of the farthest
+    bool cosine_known;  ///< it is a unit vector
+    int64_t cosine_q60; ///< of its angle, within 2^5 units
+};
+
+/// Cosine of the angle between the axis and a point, within 2^5 units. False: the point is no unit
+/// vector in Q1.30 (but for 2^-30 of its length).
+/// Cost: seven products of 64 bits. Accuracy: as said. Source: docs/geometry.md, "Exact decisions".
+static inline bool cone_cosine(struct vec3 axis_q30, struct vec3 point, int64_t *cosine_q60) {
+    const int64_t excess = (int64_t)(vec3_norm2(point) - (UINT64_C(1) << 60));
+    const int64_t dot = vec3_dot_unit(axis_q30, point);
+    *cosine_q60 = dot;
+    if (excess >= (int64_t)1 << 31 || excess <= -((int64_t)1 << 31)) {
+        return false;
+    }
+    *cosine_q60 -= ((dot >> 31) * excess) >> 30; // corrected for the length
+    return true;
+}
+
+/// Begins with a point. Cost, accuracy, source: those of cone_cosine.
+static inline void cone_farthest_start(struct cone_farthest *farthest, const struct vec3 *points,
+                                       struct vec3 axis_q30, uint32_t index) {
+    farthest->points = points;
+    farthest->axis_q30 = axis_q30;
+    farthest->index = index;
+    farthest->cosine_known = cone_cosine(axis_q30, points[index], &farthest->cosine_q60);
+}
+
+/// Adds a point. Cost, accuracy, source: see struct cone_farthest.
+static inline void cone_farthest_add(struct cone_farthest *farthest, uint32_t index) {
+    const struct vec3 point = farthest->points[index];
+    int64_t cosine_q60;
+    const bool known = cone_cosine(farthest->axis_q30, point, &cosine_q60);
+    const int64_t apart = cosine_q60 - farthest->cosine_q60; // both below 2^62 in size
+    const bool sure = known && farthest->cosine_known && (apart > 64 || apart < -64);
+    if (sure ? apart < 0
+             : cone_is_farther(farthest->axis_q30, point, farthest->points[farthest->index])) {
+        farthest->index = index;
+        farthest->cosine_known = known;
+        farthest->cosine_q60 = cosine_q60;
+    }
+}
+
 /// True angle between the axis and a point, rounded up; 2^64 units a turn.
 /// Cost:     a cross product, a root of 128 bits and an arc tangent of 64.
 /// Accuracy: at most 2^9 + 2^6 units too large, never too small (tests/property/cone_random.c).
@@ -30,16 +83,5 @@ struct min_norm_point cone_point(const struct vec3 *points, uint32_t index);
 /// Cost, accuracy and source: those of cone_angle_rounded_up.
 void cone_report(const struct vec3 *points, struct vec3 axis_q30, const struct min_norm *support,
                  uint32_t farthest_index, struct cone_result *result);
-
-/// The whole answer from one to three indices whose narrowest cone holds all points: works out the
-/// axis, and finds the farthest point by an exact pass. For methods that find a support
-/// combinatorially.
-/// Returns:  CONE_OK; CONE_INFEASIBLE if rounding left the support's cone at 90 degrees: the caller
-///           decides on the integers.
-/// Cost:     at most two pivots, and one pass of cone_is_farther.
-/// Accuracy: as cone_narrowest.
-/// Source:   as cone_narrowest.
-enum cone_status cone_answer(const struct vec3 *points, uint32_t count, const uint32_t *support,
-                             uint8_t support_count, struct cone_result *result) MUST_CHECK;
 
 #endif

@@ -31,12 +31,13 @@ enum cone_status cone_settle_support(const struct vec3 *points, uint32_t count,
         held.point[i].index = support[i];
     }
     const struct vec3 axis_q30 = site_cone_axis(site, support_count);
-    uint32_t farthest = support[0];
+    struct cone_farthest farthest;
+    cone_farthest_start(&farthest, points, axis_q30, support[0]);
     for (uint32_t i = 0; i < count; i++) {
-        farthest = cone_is_farther(axis_q30, points[i], points[farthest]) ? i : farthest;
+        cone_farthest_add(&farthest, i);
     }
     result->point_reads += count;
-    cone_report(points, axis_q30, &held, farthest, result);
+    cone_report(points, axis_q30, &held, farthest.index, result);
     return CONE_OK;
 }
 

@@ -96,7 +96,7 @@ static void growing_run(const struct vec3 *given, uint32_t count, struct bench_r
     const struct min_norm_point first = cone_point(points, 0);
     min_norm_start(&support, &first, true);
     for (;;) {
-        run->axis_q30 = vec3_i64_normalise(min_norm_direction(&support));
+        run->axis_q30 = min_norm_axis(&support);
         run->iterations++;
         run->point_reads += count;
         uint32_t farthest = 0;

@@ -71,7 +71,7 @@ while read -r name function header result own; do
     solves "$header" "$call" $own
     verdict "method $name solves without the pivot solver's subsets" $?
 done <<'END'
-pivot cone_narrowest sphere/cone.h - cone cone_filter feasible
+pivot cone_narrowest sphere/cone.h - cone cone_search cone_few cone_blocks cone_filter feasible
 shrink shrink_narrowest sphere/shrink.h shrink_result shrink hull hull_order hull_filter
 voronoi voronoi_circle sphere/voronoi_circle.h - voronoi_circle voronoi_mesh voronoi_insert voronoi_merge hull hull_order hull_filter
 voronoi-merge voronoi_circle sphere/voronoi_circle.h - voronoi_circle voronoi_mesh voronoi_insert voronoi_merge hull hull_order hull_filter

@@ -192,6 +192,43 @@ static void int64_vectors_beside_ties(void) {
     }
 }
 
+/// Where vec3_i64_normalise_within is sure, every corner of the box of the error has the same bits.
+static bool check_within(struct vec3_i64 a, uint32_t error) {
+    struct vec3 unit;
+    if (!vec3_i64_normalise_within(a, error, &unit)) {
+        return false;
+    }
+    for (unsigned corner = 0; corner < 8U; corner++) {
+        const int64_t e = error;
+        const struct vec3_i64 moved = {a.x + ((corner & 1U) != 0U ? e : -e),
+                                       a.y + ((corner & 2U) != 0U ? e : -e),
+                                       a.z + ((corner & 4U) != 0U ? e : -e)};
+        same_unit(vec3_i64_normalise(moved), unit);
+    }
+    return true;
+}
+
+static void what_is_not_known_changes_no_bit(void) {
+    unsigned long sure = 0, of = 0;
+    for (unsigned long i = 0; i < count / 4U && check_clean(); i++) {
+        const struct vec3_i64 a = {any_i64() / 2, any_i64() / 2, any_i64() / 2};
+        check_within(a, (uint32_t)(check_random(&seed) >> (33U + i % 31U)));
+        const struct vec3_i64 full = {a.x / 2, a.y / 2,
+                                      (int64_t)(check_random(&seed) >> 4 | UINT64_C(1) << 59)};
+        sure += check_within(full, 64);
+        of++;
+    }
+    printf("# sure of %lu of %lu vectors of 60 bits that are known to 64 units\n", sure, of);
+    CHECK(of - sure <= of / 1000U);
+    // 2^-20 units beside a tie it must not be, as soon as the error reaches across.
+    const struct vec3 tie = {8248970, -182158897, 884328375};
+    const int64_t stretch = (int64_t)1 << 30;
+    struct vec3 unit;
+    CHECK(!vec3_i64_normalise_within(
+        (struct vec3_i64){tie.x * stretch, tie.y * stretch, tie.z * stretch}, 1024, &unit));
+    CHECK(!vec3_i64_normalise_within((struct vec3_i64){0, 0, 0}, 0, &unit));
+}
+
 static void zero_stays_zero(void) {
     CHECK(vec3_is_zero(vec3_normalise(vec3(0, 0, 0))));
     const struct vec3_i64 fine = vec3_normalise_q61(vec3(0, 0, 0));
@@ -210,6 +247,7 @@ int main(void) {
     TEST(length_and_sign_change_nothing);
     TEST(int64_vectors_are_rounded_correctly);
     TEST(int64_vectors_beside_ties);
+    TEST(what_is_not_known_changes_no_bit);
     TEST(zero_stays_zero);
     mpz_clears(norm2, left, right, (mpz_ptr)NULL);
     return check_finish();

@@ -1,64 +1,15 @@
 /// Counts the instructions of a control tick with a full set of targets, re-aimed in every tick.
 ///
 /// Linked from the very objects of a board's image, with drives, pins and console of its own that
-/// cost next to nothing. Runs under QEMU with `-icount shift=10`, where an instruction takes 1024
-/// ns and the 25 MHz system timer of the MPS2 board counts 25.6 for each. Prints `tick SCENE
-/// COUNT`, of the most expensive tick of each, or why there is none. tests/gate/tick.sh has the
-/// limits.
+/// cost next to nothing. Runs under QEMU (meter.h). Prints `tick SCENE COUNT`, of the most
+/// expensive tick of each, or why there is none. tests/gate/tick.sh has the limits.
 #include "app/board_loop.h"
 #include "compiled_rig.h"
-#include "cortexm/cortexm.h"
 #include "drive/rmd.h"
-#include "link/text.h"
+#include "mcu/tick/meter.h"
 #include "posts.h"
-#include "semihost.h"
 
 int main(void);
-
-// ---------------------------------------------------------------- the meter
-
-#define COUNTER_MASK 0xFFFFFFU
-
-static uint32_t overhead;
-
-/// 128 / 5 counts an instruction.
-static uint32_t instructions(uint32_t start, uint32_t end) {
-    return (((start - end) & COUNTER_MASK) * 5U + 64U) / 128U;
-}
-
-static uint32_t counter(void) {
-    return CORTEXM_SYSTICK->value;
-}
-
-__attribute__((noinline)) static uint32_t count_nops(void) {
-    const uint32_t start = counter();
-    __asm volatile(".rept 1000\n nop\n .endr" ::: "memory");
-    return instructions(start, counter());
-}
-
-/// False: the emulator does not count as it should.
-static bool start_meter(void) {
-    CORTEXM_SYSTICK->reload = COUNTER_MASK;
-    CORTEXM_SYSTICK->value = 0;
-    CORTEXM_SYSTICK->control = CORTEXM_SYSTICK_ENABLE | CORTEXM_SYSTICK_CORE_CLOCK;
-    const uint32_t start = counter();
-    overhead = instructions(start, counter());
-    const uint32_t nops = count_nops() - overhead;
-    return nops >= 999U && nops <= 1001U;
-}
-
-static void say(const char *what, const char *name, uint32_t number) {
-    char line[96];
-    struct text text;
-    text_begin(&text, line, sizeof line);
-    text_string(&text, what);
-    text_string(&text, " ");
-    text_string(&text, name);
-    text_string(&text, " ");
-    text_unsigned(&text, number, 0);
-    text_string(&text, "\n");
-    semihost_write(line, text.size_bytes);
-}
 
 // ---------------------------------------------------------------- devices
 
@@ -391,14 +342,14 @@ static uint32_t unit_most, units;
 /// What a board does behind each tick at least; the rest of the tick is for more of it, which is
 /// done here so that looks go on, and is measured by itself.
 static uint32_t look(void) {
-    const uint32_t start = counter();
+    const uint32_t start = meter_now();
     pump_occlusion_step(&posts.stage, &loop.pump);
     (void)occlusion_work(&posts.occlusion, posts.stage.time_us);
-    const uint32_t count = instructions(start, counter()) - overhead;
+    const uint32_t count = meter_between(start, meter_now()) - meter_overhead;
     for (uint32_t i = 0; i < 20U; i++) {
-        const uint32_t begun = counter();
+        const uint32_t begun = meter_now();
         const bool more = occlusion_work(&posts.occlusion, posts.stage.time_us);
-        const uint32_t unit = instructions(begun, counter()) - overhead;
+        const uint32_t unit = meter_between(begun, meter_now()) - meter_overhead;
         unit_most = unit > unit_most ? unit : unit_most;
         units += more;
     }
@@ -456,9 +407,9 @@ static const char *run(const struct scene *scene, uint32_t *most) {
         if (warm && scene->pans && tick % PAN_TICKS == 0U) {
             start_pan(tick);
         }
-        const uint32_t start = counter();
+        const uint32_t start = meter_now();
         board_loop_tick(&loop, 0);
-        const uint32_t tick_count = instructions(start, counter()) - overhead;
+        const uint32_t tick_count = meter_between(start, meter_now()) - meter_overhead;
         const uint32_t count = tick_count + (scene->hides ? look() : 0U);
         if (warm && loop.pump.output.status.target_count != TARGET_CAPACITY) {
             return "targets are missing";
@@ -476,24 +427,25 @@ static const char *run(const struct scene *scene, uint32_t *most) {
 }
 
 int main(void) {
-    if (!start_meter()) {
-        say("error", "the emulator does not count 1000 instructions as such but", count_nops());
+    if (!meter_start()) {
+        meter_say("error", "the emulator does not count 1000 instructions as such but",
+                  meter_count_loop());
         return 1;
     }
     for (unsigned i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         uint32_t most;
         const char *why = run(&scenes[i], &most);
         if (why != NULL) {
-            say("error", scenes[i].name, i);
-            say("error", why, i);
+            meter_say("error", scenes[i].name, i);
+            meter_say("error", why, i);
             return 1;
         }
-        say("tick", scenes[i].name, most);
+        meter_say("tick", scenes[i].name, most);
     }
     if (units < 1000U || posts.occlusion.hidden_total == 0U) {
-        say("error", "nothing was looked at", units);
+        meter_say("error", "nothing was looked at", units);
         return 1;
     }
-    say("tick", "look-unit", unit_most);
+    meter_say("tick", "look-unit", unit_most);
     return 0;
 }

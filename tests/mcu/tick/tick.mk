@@ -18,3 +18,6 @@ $(B)/mcu/tick/tick.elf $(B)/mcu/tick/planted.elf: $(tick_o) boards/mps2/board.ld
 	    -Wl,--gc-sections,--build-id=none,-z,noexecstack,--fatal-warnings $(tick_wrap) -o $@ $(filter %.o,$^) -lgcc
 
 $(B)/check/script/tests/gate/tick.log: $(B)/mcu/tick/tick.elf $(B)/mcu/tick/planted.elf
+
+# Ten points, on the processors of tests/mcu/mps2/.
+$(B)/check/script/tests/gate/cone.log: $(foreach c,cortex-m0plus cortex-m4,$(B)/$(c)/mps2/tests/mcu/tick/ten.elf) $(B)/gcc/tests/mcu/tick/ten
