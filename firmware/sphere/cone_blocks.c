@@ -29,6 +29,13 @@ static int64_t least_measure(struct cone_search *search, const struct cone_filte
         return least;
     }
     const int64_t x = filter->axis_q30.x, y = filter->axis_q30.y, z = filter->axis_q30.z;
+    if (stride == 1U) { // a step that the compiler knows saves a quarter of the loop
+        for (; unit < last; unit++) {
+            const int64_t measure = x * unit->x + y * unit->y + z * unit->z;
+            least = measure < least ? measure : least;
+        }
+        return least;
+    }
     for (; unit < last; unit += stride) {
         const int64_t measure = x * unit->x + y * unit->y + z * unit->z;
         least = measure < least ? measure : least;
