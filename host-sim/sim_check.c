@@ -1,6 +1,7 @@
 /// The invariants of docs/safety.md that hold at every tick.
 #include "sim_private.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,6 +9,9 @@
 /// The plant may be beside its setpoint by the lag of the drive and the friction at the end of a
 /// move.
 #define PLANT_POSITION_SLACK_DEG 0.05
+/// A drive follows setpoints that come in steps, a frame every few milliseconds: its speed ripples
+/// about theirs. The ripple is no distance to stop.
+#define PLANT_RIPPLE_DPS 1.5
 /// A drive is told to stay below a speed 5 % above ours (rig.c), which it needs to catch up; it
 /// overshoots that a little.
 #define PLANT_SPEED_SLACK_FACTOR 1.25
@@ -134,7 +138,8 @@ static void check_plant(struct sim *sim, unsigned axis) {
     const double sign = sim->config.controller->axis[axis].drive.rmd.reversed ? -1.0 : 1.0;
     const double position = sim_joint_deg(sim, axis);
     const double speed = sign * built->plant.rate_rps * 180.0 / AXIS_PLANT_PI;
-    const double stop = speed * speed / (2.0 * accel_max);
+    const double steady = fmax(fabs(speed) - PLANT_RIPPLE_DPS, 0.0);
+    const double stop = steady * steady / (2.0 * accel_max);
     const double reach = speed > 0.0 ? position + stop : position - stop;
     if (reach > degrees(limits->max_q48) + PLANT_POSITION_SLACK_DEG ||
         reach < degrees(limits->min_q48) - PLANT_POSITION_SLACK_DEG) {

@@ -120,6 +120,19 @@ static void the_group_of_pedestrians_is_followed(void) {
     CHECK(summary.in_frame_percent > 90.0);
 }
 
+/// Into the limits at full speed, again and again.
+static void limits_hold_at_full_speed(void) {
+    double farthest_deg = 0.0;
+    if (CHECK(scenario_read("tests/scenario/seam.ini", &scenario) == EXIT_STATUS_OK) && start()) {
+        while (sim->time_us < scenario.duration_us) {
+            sim_step(sim);
+            farthest_deg = fmax(farthest_deg, fabs(sim_joint_deg(sim, AXIS_PAN)));
+        }
+    }
+    CHECK_EQ(finish_and_count(), 0);
+    CHECK(farthest_deg > 174.0 && farthest_deg < 175.05);
+}
+
 static void hobby_servos_stop_and_resume(void) {
     if (!load("hobby") || !start()) {
         return;
@@ -347,6 +360,7 @@ int main(void) {
     TEST(the_clock_may_wrap);
     TEST(moving_targets_are_followed);
     TEST(the_group_of_pedestrians_is_followed);
+    TEST(limits_hold_at_full_speed);
     TEST(hobby_servos_stop_and_resume);
     TEST(the_mount_may_stand_any_way);
     TEST(lost_frames_do_no_harm);
