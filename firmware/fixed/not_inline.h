@@ -2,7 +2,8 @@
 #ifndef FIXED_NOT_INLINE_H
 #define FIXED_NOT_INLINE_H
 
-/// One that is rarely reached: its registers would be saved on the common way, too.
+/// One that is rarely reached, whose registers would be saved on the common way, too; or a loop
+/// that needs them all.
 #define NOT_INLINE __attribute__((noinline))
 
 /// A short one with long products, `static inline` where a processor has them. A Cortex-M0+ makes

@@ -1,3 +1,4 @@
+#include "fixed/not_inline.h"
 #include "fixed/root.h"
 #include "sphere/cone_filter.h"
 #include "sphere/cone_search.h"
@@ -15,9 +16,10 @@ static int64_t limit_of(const struct cone_filter *filter) {
 // ---------------------------------------------------------------- reading points
 
 /// The least measure of the points from, from + stride, ... below `end`. This loop reads every
-/// point; all else happens rarely.
-static int64_t least_measure(struct cone_search *search, const struct cone_filter *filter,
-                             uint32_t from, uint32_t end, uint32_t stride) {
+/// point; all else happens rarely. Inside of its callers it would lack registers.
+NOT_INLINE static int64_t least_measure(struct cone_search *search,
+                                        const struct cone_filter *filter, uint32_t from,
+                                        uint32_t end, uint32_t stride) {
     const struct vec3 *unit = search->units + from, *last = search->units + end;
     int64_t least = INT64_MAX;
     search->point_reads += stride == 1U ? end - from : (end - from + stride - 1U) / stride;
