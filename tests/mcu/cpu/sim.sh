@@ -46,7 +46,7 @@ verdict 'the same run again is the same, bit for bit' $?
 
 # An image whose arithmetic differs in one bit (of the sine's terms) is caught by the comparison of every step.
 # Where the table lies in the file: its address is an offset into .text, which begins somewhere in the file.
-table=$(arm-none-eabi-nm $boards/boresight.elf | awk '$3 == "sin_terms" { print $1 }')
+table=$(arm-none-eabi-nm $boards/boresight.elf | awk '$3 == "trig_sin_terms" { print $1 }')
 text=$(arm-none-eabi-objdump -h $boards/boresight.elf | awk -v table="$table" '
     $4 ~ /^08/ && ($4 "") <= (table "") { address = $4; offset = $6 }
     END { print address, offset }')

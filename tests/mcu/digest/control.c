@@ -60,7 +60,7 @@ static struct controller_config servo_rig(void) {
         .tick_us = 1000,
         .position_um = {0, 0, 1500000},
         .attitude = {bam32(123456789), bam32(12345678), bam32(1234567)},
-        .axis = {{limits, servo, 0}, {limits, servo, 0}, {limits, servo, 0}},
+        .axis = {{limits, servo, 0, 0}, {limits, servo, 0, 0}, {limits, servo, 0, 0}},
         .lens = {.point = {{4000, 0}, {48000, AXIS_TURN_Q48 / 8}},
                  .point_count = 2,
                  .sensor_width_um = 6000,
