@@ -438,8 +438,13 @@ struct vec3_i64 min_norm_direction(struct min_norm *support) {
 
 /// Squared length less one. False: the length isn't within 2^-30 of one.
 INLINE_BUT_ON_M0PLUS bool excess_of(struct vec3 a, int64_t *excess) {
-    *excess = (int64_t)vec3_norm2(a) - ONE_Q60;
-    return *excess < (int64_t)1 << 31 && *excess > -((int64_t)1 << 31);
+    const uint64_t least = (uint64_t)ONE_Q60 - (UINT64_C(1) << 31);
+    const uint64_t above = vec3_norm2(a) - least; // of any vector: below that it wraps
+    if (above >> 32 != 0U) {
+        return false;
+    }
+    *excess = (int64_t)above - ((int64_t)1 << 31);
+    return true;
 }
 
 /// Bound of what the two functions below leave out of a component, and of what the directions above
