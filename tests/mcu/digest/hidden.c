@@ -1,8 +1,9 @@
-/// Hidden lines: solids and planes, the planes between them, and pictures by both methods; targets
-/// that they hide.
+/// Hidden lines: solids and planes, also out of a tree, the planes between them, and pictures by
+/// both methods; targets that they hide.
 #include "mcu/digest/sets.h"
 
 #include "scene/hidden.h"
+#include "scene/tree_shape.h"
 #include "target/occlusion.h"
 
 #define ROOM 96U
@@ -22,9 +23,10 @@ static struct vec3 draw_place(struct digest *d, uint32_t reach) {
     return p;
 }
 
+static const uint32_t box_faces[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                       2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+
 static void draw_box(struct digest *d, struct shape_set *set) {
-    static const uint32_t box_faces[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
-                                           2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
     static const uint32_t box_sizes[6] = {4, 4, 4, 4, 4, 4};
     const struct vec3 low = draw_place(d, 40000000);
     const struct vec3 a = draw_place(d, 30000000), b = draw_place(d, 30000000),
@@ -113,6 +115,51 @@ static struct shape_set boxes_of(struct digest *d) {
     return set;
 }
 
+/// A box whose corners stand among other points of a tree, taken over with a table of places and
+/// by searching.
+static void out_of_a_tree(void) {
+    struct digest d = digest_start(71);
+    static struct tree_point points[64];
+    static struct tree_element elements[6];
+    static uint32_t tree_corners[24], source[8], listed[24], counts[6], place[64];
+    static struct vec3 found[8];
+    static const struct tree_shape shape = {.kind = TREE_SOLID, .element_count = 6};
+    const struct tree tree = {.points = points, .elements = elements, .corners = tree_corners};
+    struct tree_shape_memory memory = {.points = found,
+                                       .source = source,
+                                       .corners = listed,
+                                       .counts = counts,
+                                       .point_room = 8,
+                                       .corner_room = 24,
+                                       .face_room = 6};
+    for (unsigned i = 0; i < 64U; i++) {
+        place[i] = SHAPE_NONE;
+    }
+    for (unsigned i = 0; i < 200U; i++) {
+        struct shape_set set = empty_set();
+        const uint32_t stride = 2U * digest_below(&d, 4) + 1U, first = digest_below(&d, 64);
+        const int32_t side = 1 + (int32_t)digest_below(&d, 1000000);
+        for (uint32_t k = 0; k < 8U; k++) {
+            points[(first + k * stride) % 64U] =
+                (struct tree_point){side * (int32_t)(k & 1U), side * (int32_t)(k >> 1 & 1U),
+                                    side * (int32_t)(k >> 2), k};
+        }
+        for (uint32_t k = 0; k < 24U; k++) {
+            tree_corners[k] = (first + box_faces[k] * stride) % 64U;
+            elements[k / 4U] = (struct tree_element){TREE_FACE, k / 4U * 4U, 4};
+        }
+        memory.place = i % 2U == 0U ? place : NULL;
+        const unsigned finer = digest_below(&d, 9);
+        digest_i64(&d, tree_shape_add_solid(&set, &tree, &shape, finer, &memory));
+        digest_i64(&d, tree_shape_add_face(&set, &tree, &elements[i % 6U], finer, &memory));
+        digest_u64(&d, set.corner_count);
+        for (uint32_t v = 0; v < set.vertex_count; v++) {
+            digest_vec3(&d, set.vertices[v]);
+        }
+    }
+    digest_finish(&d, "digest scene/tree_shape");
+}
+
 static void report_all(struct digest *d, struct occlusion *occlusion, uint64_t now_us) {
     for (uint32_t id = 0; id < 8U; id++) {
         struct target_update update = {
@@ -161,6 +208,7 @@ static void hidden_targets(void) {
 
 int main(void) {
     TEST(pictures);
+    TEST(out_of_a_tree);
     TEST(hidden_targets);
     return check_finish();
 }
