@@ -112,10 +112,11 @@ verdict calibrate.candump_saw_the_moves $?
 
 # ---------------------------------------------------------------- ended by a person; a bus that leaves
 : >"$work/err"
-calibrate &
+cp "$work/before.ini" "$work/rig.ini"
+"$boresight" calibrate "$work/rig.ini" --json >"$work/out" 2>"$work/err" & # not the function, whose process would get the signal
 runner=$!
 until_true 60 grep -q 'move now' "$work/err"
-kill -INT "$(pgrep -f "calibrate $work/rig.ini")"
+kill -INT $runner
 wait $runner
 cmp -s "$work/rig.ini" "$work/before.ini"
 verdict calibrate.sigint_writes_nothing $? "$work/err"
