@@ -109,14 +109,15 @@ until_true 60 looks_at 5 3
 verdict camera.follows_it_again $? "$work/run.err" "$work/state"
 
 # It refuses every setting: it is asked again and again, then told to be lost, opened anew, and used when it has come round.
-show lamp 12 6 stubborn
+# A small step: while it stays where it was, each frame makes the lamp seem that much farther away, until it is out of sight.
+show lamp 6.2 3 stubborn
 until_true 60 says 'it refuses to be turned; unplug it and plug it in again'
 verdict camera.tells_that_it_refuses_to_be_turned $? "$work/run.err" "$work/state"
-show lamp 12 6
+show lamp 6.2 3
 comes_round() { # lost once more perhaps, so armed until it turns
     kill -USR1 $runner
     sleep 1
-    looks_at 12 6
+    looks_at 6.2 3
 }
 until_true 6 comes_round # 60 times
 verdict camera.turns_when_it_has_come_round $? "$work/run.err" "$work/state"
