@@ -50,39 +50,31 @@ cp "$dir/err" "$dir/told" && : >"$dir/err"
 has 'run takes the lines' 0 'targets=1' 'bad_lines=0' 'violations=0'
 
 # ---------------------------------------------------------------- bad input
-refuse() { # NAME TEXT ARGUMENT...
-    name=$1
-    text=$2
-    shift 2
-    run detect "$@" </dev/null
-    [ "$status" -eq 2 ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -- "$text" "$dir/err" && [ ! -s "$dir/out" ]
-    verdict "$name" $?
-}
 head -c 3000 "$dir/a.pgm" >"$dir/cut.pgm"
 printf 'P5 96 64 65535\n' >"$dir/deep.pgm"
 printf 'P5 9600 64 255\n' >"$dir/wide.pgm"
 printf 'P2 1 1 255 7' >"$dir/text.pgm"
 printf '\377\330\377\300' >"$dir/short.jpg"
 printf 'P5 3 3 255\n123456789' >"$dir/tiny.pgm"
-refuse 'a picture that is not there' 'no.pgm' "$dir/no.pgm"
-refuse 'a picture that is cut off' 'cut.pgm: picture 1: is cut off' "$dir/cut.pgm"
-refuse 'more than 8 bits' 'deep.pgm: picture 1: has more than 8 bits' "$dir/deep.pgm"
-refuse 'a picture that is too wide' 'larger than 8192' "$dir/wide.pgm"
-refuse 'another format' 'is no PGM (P5), PPM (P6) or JPEG' "$dir/text.pgm"
-refuse 'a JPEG picture without an end' 'short.jpg: picture 1: ' "$dir/short.jpg"
-refuse 'a picture of a few pixels' '16 x 16' "$dir/tiny.pgm"
-refuse 'no picture at all' 'stdin: picture 1: is empty'
-refuse 'a detector that is none' "no detector 'cats'" --find cats "$dir/a.pgm"
-refuse 'no detector' '--find' --find '' "$dir/a.pgm"
-refuse 'a family that is none' 'must be one of' --family tag99 "$dir/a.pgm"
-refuse 'a pose without a rig' '--rig' --pan 5 "$dir/a.pgm"
-refuse 'a rate of 0' '--fps' --fps 0 "$dir/a.pgm"
+refuse 'a picture that is not there' 'no.pgm' detect "$dir/no.pgm"
+refuse 'a picture that is cut off' 'cut.pgm: picture 1: is cut off' detect "$dir/cut.pgm"
+refuse 'more than 8 bits' 'deep.pgm: picture 1: has more than 8 bits' detect "$dir/deep.pgm"
+refuse 'a picture that is too wide' 'larger than 8192' detect "$dir/wide.pgm"
+refuse 'another format' 'is no PGM (P5), PPM (P6) or JPEG' detect "$dir/text.pgm"
+refuse 'a JPEG picture without an end' 'short.jpg: picture 1: ' detect "$dir/short.jpg"
+refuse 'a picture of a few pixels' '16 x 16' detect "$dir/tiny.pgm"
+refuse 'no picture at all' 'stdin: picture 1: is empty' detect </dev/null
+refuse 'a detector that is none' "no detector 'cats'" detect --find cats "$dir/a.pgm"
+refuse 'no detector' '--find' detect --find '' "$dir/a.pgm"
+refuse 'a family that is none' 'must be one of' detect --family tag99 "$dir/a.pgm"
+refuse 'a pose without a rig' '--rig' detect --pan 5 "$dir/a.pgm"
+refuse 'a rate of 0' '--fps' detect --fps 0 "$dir/a.pgm"
 rig_with() { sed "/^margin/a\\
 $1" host-sim/rigs/studio.ini >"$dir/bad.ini"; }
 rig_with 'k1 = -3'
-refuse 'a lens that folds its picture' "bad.ini:40: key 'k1': has a distortion" --rig "$dir/bad.ini" "$dir/a.pgm"
+refuse 'a lens that folds its picture' "bad.ini:40: key 'k1': has a distortion" detect --rig "$dir/bad.ini" "$dir/a.pgm"
 rig_with 'detect = dogs'
-refuse 'a rig with a detector that is none' "bad.ini:40: key 'detect': no detector 'dogs'" --rig "$dir/bad.ini" "$dir/a.pgm"
+refuse 'a rig with a detector that is none' "bad.ini:40: key 'detect': no detector 'dogs'" detect --rig "$dir/bad.ini" "$dir/a.pgm"
 
 # ---------------------------------------------------------------- real people
 film=/usr/share/doc/opencv-doc/examples/data/vtest.avi

@@ -39,14 +39,6 @@ gives() { # NAME STATUS PATH=VALUE...
 }
 
 # ---------------------------------------------------------------- bad input, each one line, status 2
-refuse() { # NAME TEXT-IN-THE-MESSAGE ARGUMENT...
-    name=$1
-    text=$2
-    shift 2
-    run "$@"
-    [ "$status" -eq 2 ] && grep -qF -- "$text" "$dir/err" && [ ! -s "$dir/out" ]
-    verdict "$name" $?
-}
 refuse 'sim without a scenario' 'which scenario' sim
 refuse 'a scenario that is not there' 'nowhere.ini' sim nowhere.ini
 refuse 'sim --seconds 0' '--seconds' sim $scenarios/stars.ini --seconds 0
@@ -64,7 +56,7 @@ break_file() { # NAME TEXT-IN-THE-MESSAGE FILE SED-COMMAND
 }
 rig=rigs/hobby.ini
 line() { grep -n "$1" "$copy/$2" | head -n 1 | cut -d: -f1; }
-break_file 'an unknown key in a rig file' "hobby.ini:$(line '^drive' $rig): " $rig '0,/^drive/s/^drive = pwm/drives = pwm/'
+break_file 'an unknown key in a rig file' "hobby.ini:$(($(line '^drive' $rig) + 1)): " $rig '0,/^drive/s/^drive = pwm/drive = pwm\ndrives = pwm/'
 break_file 'an unknown section in a rig file' 'hobby.ini:' $rig 's/\[camera\]/[kamera]/'
 break_file 'letters in a number' "hobby.ini:$(line '^speed_max' $rig): " $rig '0,/^speed_max/s/^speed_max_dps.*/speed_max_dps = fast/'
 break_file 'NaN in a rig file' 'hobby.ini:' $rig '0,/^accel/s/^accel_max_dps2.*/accel_max_dps2 = nan/'
@@ -86,7 +78,7 @@ for file in host-sim/rigs/*.ini; do
     [ "$status" -eq 0 ] && grep -q 'limit_min_deg' "$dir/out" && grep -q 'follow_error_deg' "$dir/out"
     verdict "config check $file explains given and default values" $?
 done
-sed 's/^speed_max_dps.*/speed_max_dps = 0/' host-sim/rigs/studio.ini >"$dir/rig.ini"
+sed '0,/^speed_max_dps/s/^speed_max_dps.*/speed_max_dps = 0/' host-sim/rigs/studio.ini >"$dir/rig.ini"
 refuse 'config check of a wrong rig' 'rig.ini:' config check "$dir/rig.ini"
 refuse 'config without check' 'config check RIG.ini' config host-sim/rigs/studio.ini
 

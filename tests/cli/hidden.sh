@@ -42,14 +42,6 @@ run sim "$dir/same.ini" --json
 grep -q '"hidden_percent": 50' "$dir/out" && [ "$status" -eq 0 ]
 verdict 'sim: the scene of the rig, if the scenario has none' $?
 
-refuse() { # NAME TEXT-IN-THE-MESSAGE ARGUMENT...
-    name=$1
-    text=$2
-    shift 2
-    run "$@"
-    [ "$status" -eq 2 ] && grep -qF -- "$text" "$dir/err" && [ ! -s "$dir/out" ]
-    verdict "$name" $?
-}
 rig bad.ini 'policy = nervous'
 line=$(grep -n '^policy' "$dir/bad.ini" | cut -d: -f1)
 refuse 'an unknown policy' "bad.ini:$line: key 'policy'" config check "$dir/bad.ini"

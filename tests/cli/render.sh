@@ -3,11 +3,6 @@
 # themselves, against rays.
 . tests/cli/support/check.sh
 
-# refused NAME TEXT: the last run ended with status 2, no results, and one line with this text.
-refused() {
-    [ "$status" -eq 2 ] && [ ! -s "$dir/out" ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -e "$2" "$dir/err"
-    verdict "$1" $?
-}
 # Boxes of a line each.
 boxes() { # VERTICES
     awk -v n="$1" -f tests/cli/support/boxes.awk

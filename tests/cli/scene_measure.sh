@@ -3,10 +3,6 @@
 # pictures. The counters of the pipeline's steps: tests/bench/levine, which makes the thesis' tables of them.
 . tests/cli/support/check.sh
 
-refused() { # NAME TEXT
-    [ "$status" -eq 2 ] && [ ! -s "$dir/out" ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -e "$2" "$dir/err"
-    verdict "$1" $?
-}
 # x, y, z, r of the middle and the radius of boxes, as awk reads them from their lines.
 extent='{ for (k = 0; k < 3; k++) {
         if (NR == 1 || $(2 + k) < low[k]) low[k] = $(2 + k)

@@ -14,19 +14,6 @@ static double now_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-struct sum {
-    uint64_t count, hash; ///< of the parts, in any order
-};
-
-static void add_part(void *context, const struct hidden_segment *segment) {
-    struct sum *const s = context;
-    uint64_t h = segment->edge * UINT64_C(0x9E3779B97F4A7C15);
-    h ^= (uint64_t)fraction_q62(segment->part.from) * UINT64_C(0xD6E8FEB86659FD93);
-    h ^= (uint64_t)fraction_q62(segment->part.to) * UINT64_C(0xC2B2AE3D27D4EB4F);
-    s->hash += h ^ h >> 29;
-    s->count++;
-}
-
 static void add_lattice(struct shape_set *set, int32_t side) {
     static const uint32_t faces[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
                                        2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
@@ -51,8 +38,9 @@ static void measure(int32_t side) {
     struct hidden hidden;
     struct separate separate;
     uint32_t fault[2];
-    struct sum clip = {0, 0}, levine = {0, 0};
-    const struct hidden_sink to_clip = {add_part, &clip}, to_levine = {add_part, &levine};
+    struct hidden_parts clip = {0, 0}, levine = {0, 0};
+    const struct hidden_sink to_clip = {hidden_parts_add, &clip},
+                             to_levine = {hidden_parts_add, &levine};
     hidden_scene_open(&scene, n);
     add_lattice(&scene.set, side);
     const size_t bytes = hidden_workspace_bytes(&scene.set),

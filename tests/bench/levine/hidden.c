@@ -65,20 +65,6 @@ static void close(struct bench *b) {
     blocks_close(&b->blocks);
 }
 
-/// The parts drawn, in any order.
-struct sum {
-    uint64_t count, hash;
-};
-
-static void add_part(void *context, const struct hidden_segment *segment) {
-    struct sum *const s = context;
-    uint64_t h = segment->edge * UINT64_C(0x9E3779B97F4A7C15);
-    h ^= (uint64_t)fraction_q62(segment->part.from) * UINT64_C(0xD6E8FEB86659FD93);
-    h ^= (uint64_t)fraction_q62(segment->part.to) * UINT64_C(0xC2B2AE3D27D4EB4F);
-    s->hash += h ^ h >> 29;
-    s->count++;
-}
-
 /// Step 1 by itself: the planes marked, and SO of every two objects.
 static double depth_seconds(struct bench *b, struct vec3 eye) {
     const uint32_t count = b->blocks.scene.set.object_count;
@@ -97,9 +83,10 @@ static double depth_seconds(struct bench *b, struct vec3 eye) {
 
 static struct frame draw(struct bench *b, const struct hidden_camera *camera) {
     struct hidden_counters n = {0};
-    struct sum levine = {0, 0}, plain = {0, 0}, clip = {0, 0};
-    const struct hidden_sink to_levine = {add_part, &levine}, to_plain = {add_part, &plain},
-                             to_clip = {add_part, &clip};
+    struct hidden_parts levine = {0, 0}, plain = {0, 0}, clip = {0, 0};
+    const struct hidden_sink to_levine = {hidden_parts_add, &levine},
+                             to_plain = {hidden_parts_add, &plain},
+                             to_clip = {hidden_parts_add, &clip};
     struct frame frame = {.depth_seconds = depth_seconds(b, camera->eye)};
     const double start = levine_seconds();
     hidden_look(&b->hidden, camera);
@@ -112,7 +99,7 @@ static struct frame draw(struct bench *b, const struct hidden_camera *camera) {
     frame.plain_seconds = levine_seconds() - drawn + looked - start;
     frame.clip_seconds = INFINITY;
     for (int i = 0; i < b->repeats; i++) {
-        clip = (struct sum){0, 0};
+        clip = (struct hidden_parts){0, 0};
         const double again = levine_seconds();
         hidden_look(&b->hidden, camera);
         hidden_clip(&b->hidden, &to_clip);

@@ -41,6 +41,21 @@ ends() {
     verdict "$1" $good
 }
 
+# refused NAME TEXT: the last run ended with status 2, no results, and one line with this text.
+refused() {
+    [ "$status" -eq 2 ] && [ ! -s "$dir/out" ] && [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF -e "$2" "$dir/err"
+    verdict "$1" $?
+}
+
+# refuse NAME TEXT ARGUMENT...: runs the program, which does so.
+refuse() {
+    refusal=$1
+    text=$2
+    shift 2
+    run "$@"
+    refused "$refusal" "$text"
+}
+
 # facts: the last run's JSON, a PATH=VALUE line each, in $dir/facts; fails if it is no JSON.
 facts() {
     awk -f tests/cli/support/json.awk <"$dir/out" >"$dir/facts" 2>>"$dir/err"

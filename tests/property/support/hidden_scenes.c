@@ -296,3 +296,12 @@ struct hidden_camera hidden_scene_camera(enum hidden_scene_kind kind, uint64_t *
     }
     return hidden_camera_towards(eye, ahead);
 }
+
+void hidden_parts_add(void *context, const struct hidden_segment *segment) {
+    struct hidden_parts *const s = context;
+    uint64_t h = segment->edge * UINT64_C(0x9E3779B97F4A7C15);
+    h ^= (uint64_t)fraction_q62(segment->part.from) * UINT64_C(0xD6E8FEB86659FD93);
+    h ^= (uint64_t)fraction_q62(segment->part.to) * UINT64_C(0xC2B2AE3D27D4EB4F);
+    s->hash += h ^ h >> 29;
+    s->count++;
+}

@@ -50,4 +50,12 @@ struct hidden_camera hidden_scene_camera(enum hidden_scene_kind kind, uint64_t *
 /// Right and up, for any way to look.
 struct hidden_camera hidden_camera_towards(struct vec3 eye, const double ahead[3]);
 
+/// The parts of a picture, in any order: two methods draw the same if these are equal.
+struct hidden_parts {
+    uint64_t count, hash;
+};
+
+/// For hidden_sink; context: struct hidden_parts.
+void hidden_parts_add(void *context, const struct hidden_segment *segment);
+
 #endif

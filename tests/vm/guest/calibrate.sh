@@ -34,14 +34,6 @@ calibrate
 verdict calibrate.silent_drives_are_status_4 $? "$work/err"
 
 # ---------------------------------------------------------------- a whole measurement
-serve() {
-    "$boresight" sim "$work/served.ini" --serve can:vcan0 --json >"$work/serve.json" 2>"$work/serve.err" &
-    server=$!
-}
-end_serve() {
-    kill -INT $server
-    wait $server
-}
 timeout 600 candump -L vcan0 >"$work/candump" &
 witness=$!
 "$boresight" config check "$work/before.ini" >"$work/check"

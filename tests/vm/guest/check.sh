@@ -12,3 +12,13 @@ verdict() {
     for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file" | tail -n 20; done
     echo "FAIL vm.$name"
 }
+
+# serve: the drives of $work/served.ini, simulated, on vcan0, beside what follows; end_serve: no more.
+serve() {
+    "$boresight" sim "$work/served.ini" --serve can:vcan0 --json >"$work/serve.json" 2>"$work/serve.err" &
+    server=$!
+}
+end_serve() {
+    kill -INT $server
+    wait $server
+}

@@ -26,14 +26,6 @@ bus_up() { ip link add dev vcan0 type vcan && ip link set vcan0 up; }
 fact() { sed -n "s/.*\"$2\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$1"; }
 # near A B TOLERANCE
 near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN { d = a - b; exit !(a != "" && b != "" && d <= t && -d <= t) }'; }
-serve() {
-    "$boresight" sim "$work/served.ini" --serve can:vcan0 --json >"$work/serve.json" 2>"$work/serve.err" &
-    server=$!
-}
-end_serve() {
-    kill -INT $server
-    wait $server
-}
 drive() { # ARGUMENT...
     "$boresight" run "$work/rig.ini" --json --log "$work/log" "$@" >"$work/run.json" 2>"$work/run.err"
 }
