@@ -242,25 +242,6 @@ static void resumes_from_where_it_is_measured(void) {
     rig_is_at(AXIS_PAN, 0);
 }
 
-/// What a drive says is of the moment when it said it, not of the tick that finds it in a queue.
-static void a_measurement_has_the_time_of_its_arrival(void) {
-    const struct {
-        uint32_t age_us, counts_us;
-    } cases[] = {{0, 0}, {400, 400}, {7000, 7000}, {UINT32_C(0x80000001), 0}};
-    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
-        rig_configure();
-        rig_start(0xFFFFFE00, 0); // the clock wraps on the way
-        CHECK(rig_until(MODE_READY, 60));
-        rig_ticks(10);
-        rig.input.frame_count = 0;
-        rig_receive((struct can_frame){.id = 0x240 + RIG_PAN_ID, .length = 8, .data = {0x92}});
-        rig.input.frame_us[0] = rig.input.now_us - cases[i].age_us;
-        rig_tick();
-        const struct controller_status *const status = &rig.output.status;
-        CHECK_EQ(status->time_us - status->axis[AXIS_PAN].measured_us, cases[i].counts_us);
-    }
-}
-
 /// Also when it was stopped and something holds it beside its setpoint.
 static void resumes_from_where_it_is_held(void) {
     rig_init();
@@ -501,7 +482,6 @@ int main(void) {
     TEST(arms_from_rest_only);
     TEST(resumes_from_where_it_is_measured);
     TEST(resumes_from_where_it_is_held);
-    TEST(a_measurement_has_the_time_of_its_arrival);
     TEST(the_first_goal_is_on_the_turn_of_the_measured_position);
     TEST(starts_outside_the_limits_and_comes_in);
     TEST(a_moving_target_is_followed_without_lag);
