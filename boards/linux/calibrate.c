@@ -17,7 +17,8 @@
 #define REPEAT_US       100000U ///< the aim is told again, for rigs whose targets expire
 #define TILT_MOST_DEG   80.0    ///< of moves: near the zenith pan is undefined
 #define TILT_END_DEG    89.5
-#define RANGE_SLACK_DEG 1.0 ///< that a move keeps from the ends
+#define SPEED_OVER_US   40000U ///< so that a hundredth of a degree, and of a tick, is little
+#define RANGE_SLACK_DEG 1.0    ///< that a move keeps from the ends
 
 static const char *const names[] = {"pan", "tilt"};
 static const double amplitudes_deg[CALIBRATE_MOVES] = {10.0, 30.0, 90.0};
@@ -260,8 +261,8 @@ static int compare(const void *a, const void *b) {
 static bool go_measured(struct calibrate *c, unsigned axis, double deg, double fast_dps) {
     const struct drive *drive = &c->runner.controller->drive[axis];
     const uint64_t start_us = now_us(c);
-    uint64_t seen_us = drive->position_us;
-    double seen_deg = degrees(drive->position_q48);
+    uint64_t seen_us = drive->position_us, from_us = seen_us;
+    double from_deg = degrees(drive->position_q48);
     calibrate_aim(c, axis, deg);
     c->setpoint_count = 0;
     while (fabs(measured(c, axis) - deg) > ARRIVED_DEG && now_us(c) - start_us < PATIENCE_US) {
@@ -273,10 +274,14 @@ static bool go_measured(struct calibrate *c, unsigned axis, double deg, double f
             continue;
         }
         const double at_deg = degrees(drive->position_q48);
-        const double speed = fabs(at_deg - seen_deg) * 1e6 / (double)(drive->position_us - seen_us);
-        c->axis[axis].speed_dps = fmax(c->axis[axis].speed_dps, speed);
+        if (drive->position_us - from_us >= SPEED_OVER_US) {
+            const double speed =
+                fabs(at_deg - from_deg) * 1e6 / (double)(drive->position_us - from_us);
+            c->axis[axis].speed_dps = fmax(c->axis[axis].speed_dps, speed);
+            from_us = drive->position_us;
+            from_deg = at_deg;
+        }
         seen_us = drive->position_us;
-        seen_deg = at_deg;
         const double lag = lag_ms(c, at_deg, seen_us, fast_dps);
         if (lag >= 0.0 && c->lag_count < CALIBRATE_LAGS) {
             c->lag_ms[c->lag_count++] = lag;

@@ -101,9 +101,9 @@ static void read_frames(struct pump *pump) {
         return;
     }
     while (input->frame_count < CONTROLLER_FRAMES_IN_MAX) {
-        uint32_t received_us;
         const enum hal_status status =
-            hal_can_receive(pump->devices.can, &input->frame[input->frame_count], &received_us);
+            hal_can_receive(pump->devices.can, &input->frame[input->frame_count],
+                            &input->frame_us[input->frame_count]);
         if (status != HAL_OK) {
             pump->errors.can_receive_failed += status != HAL_EMPTY;
             return;

@@ -131,9 +131,11 @@ static void take_frames(struct controller *c, const struct controller_input *inp
                                                                          : CONTROLLER_FRAMES_IN_MAX;
     for (uint32_t i = 0; i < count; i++) {
         bool taken = false;
+        const uint32_t since_us = input->now_us - input->frame_us[i];
+        const uint32_t age_us = since_us < UINT32_C(0x80000000) ? since_us : 0U;
         for (unsigned axis = 0; axis < AXIS_COUNT && !taken; axis++) {
             taken = axis_exists(c, axis) &&
-                    drive_receive(&c->drive[axis], &input->frame[i], c->time_us);
+                    drive_receive(&c->drive[axis], &input->frame[i], c->time_us, age_us);
         }
         c->frames_ignored += !taken;
     }

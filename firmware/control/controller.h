@@ -92,6 +92,9 @@ struct controller_input {
     struct controller_pan pan;
     uint32_t frame_count, update_count;
     struct can_frame frame[CONTROLLER_FRAMES_IN_MAX];
+    /// When each arrived, of the clock of now_us; one that is later counts as now. What a drive
+    /// measured is of that moment, not of the tick that brings it.
+    uint32_t frame_us[CONTROLLER_FRAMES_IN_MAX];
     struct target_update
         update[CONTROLLER_UPDATES_MAX]; ///< applied in order, all before the aim is solved
 };

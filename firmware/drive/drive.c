@@ -112,7 +112,7 @@ static bool position_from_cdeg(const struct drive_rmd_config *config, int32_t an
 }
 
 /// Takes what a reply says. False if it can't be believed.
-static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint64_t now_us) {
+static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint64_t arrived_us) {
     const struct drive_rmd_config *config = &drive->config->rmd;
     int64_t position_q48;
     switch (reply->kind) {
@@ -121,7 +121,7 @@ static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint6
             return false;
         }
         drive->position_q48 = position_q48;
-        drive->position_us = now_us;
+        drive->position_us = arrived_us;
         drive->position_known = true;
         drive->asked |= RMD_KNOWS_ANGLE;
         break;
@@ -152,7 +152,8 @@ static bool take_reply(struct drive *drive, const struct rmd_reply *reply, uint6
     return true;
 }
 
-bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us) {
+bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us,
+                   uint32_t age_us) {
     if (drive->config->kind != DRIVE_RMD) {
         return false;
     }
@@ -162,7 +163,7 @@ bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t 
     }
     struct rmd_reply reply;
     if (rmd_decode(frame, config->reply_offset, &reply) == RMD_OK &&
-        take_reply(drive, &reply, now_us)) {
+        take_reply(drive, &reply, now_us > age_us ? now_us - age_us : 0U)) {
         drive->heard_us = now_us;
     } else {
         drive->bad_replies++;

@@ -59,7 +59,7 @@ struct drive {
     bool ready; ///< position and status are known: the axis is homed
     bool position_known;
     int64_t position_q48; ///< last measured
-    uint64_t position_us; ///< time of that
+    uint64_t position_us; ///< when the answer with it arrived
     uint64_t heard_us;    ///< time of the last reply; start-up counts as one
     uint16_t error_bits;  ///< as the drive reports them
     int8_t temperature_c;
@@ -85,9 +85,11 @@ void drive_init(struct drive *drive, const struct drive_config *config, uint64_t
 /// Start-up again: the drive must answer every question anew before it is ready.
 void drive_forget(struct drive *drive);
 
-/// Looks at a received frame. Returns whether it came from this drive. A frame that can't be
-/// decoded, and an angle beyond DRIVE_POSITION_Q48_MAX, is counted and changes nothing else.
-bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us);
+/// Looks at a received frame, which arrived age_us ago. Returns whether it came from this drive. A
+/// frame that can't be decoded, and an angle beyond DRIVE_POSITION_Q48_MAX, is counted and changes
+/// nothing else.
+bool drive_receive(struct drive *drive, const struct can_frame *frame, uint64_t now_us,
+                   uint32_t age_us);
 
 /// What to send in this tick. setpoint_q48: within DRIVE_POSITION_Q48_MAX (a PWM drive: any).
 /// tick:    counts up; a cycle has DRIVE_CYCLE_TICKS (axes take turns by an offset). A position

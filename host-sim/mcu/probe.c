@@ -50,6 +50,7 @@ static void read_input(struct probe *probe, const uint8_t *arm) {
                                 ? input->frame_count
                                 : CONTROLLER_FRAMES_IN_MAX;
     memcpy(input->frame, arm + at->frame, frames * sizeof input->frame[0]);
+    memcpy(input->frame_us, arm + at->frame_us, frames * sizeof input->frame_us[0]);
     for (uint32_t i = 0; i < input->update_count && i < CONTROLLER_UPDATES_MAX; i++) {
         layout_to_host(&layout_target_update, arm + at->update + i * at->update_bytes,
                        &input->update[i]);
@@ -150,6 +151,7 @@ static struct probe_offsets find_offsets(void) {
         .frame_count = layout_arm_offset(input, "frame_count"),
         .update_count = layout_arm_offset(input, "update_count"),
         .frame = layout_arm_offset(input, "frame"),
+        .frame_us = layout_arm_offset(input, "frame_us"),
         .update = layout_arm_offset(input, "update"),
         .update_bytes = layout_arm_bytes(&layout_target_update),
         .output_bytes = layout_arm_bytes(&layout_controller_output),

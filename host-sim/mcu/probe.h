@@ -34,8 +34,8 @@ struct probe_counts {
 
 /// Where things lie in the image's structures, and how long these are.
 struct probe_offsets {
-    uint32_t input_bytes, now_us, commands, pan_set, pan, frame_count, update_count, frame, update,
-        update_bytes;
+    uint32_t input_bytes, now_us, commands, pan_set, pan, frame_count, update_count, frame,
+        frame_us, update, update_bytes;
     uint32_t output_bytes;
     uint32_t config, powered, ever_powered;
 };

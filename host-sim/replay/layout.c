@@ -38,10 +38,15 @@ static struct layout_field controller_pan_fields[] = {
 struct layout layout_controller_pan = LAYOUT(controller_pan, controller_pan_fields);
 
 static struct layout_field controller_input_fields[] = {
-    SAME(controller_input, now_us),      SAME(controller_input, commands),
-    SAME(controller_input, pan_set),     STRUCT(controller_input, pan, controller_pan),
-    SAME(controller_input, frame_count), SAME(controller_input, update_count),
-    SAME(controller_input, frame),       STRUCT(controller_input, update, target_update),
+    SAME(controller_input, now_us),
+    SAME(controller_input, commands),
+    SAME(controller_input, pan_set),
+    STRUCT(controller_input, pan, controller_pan),
+    SAME(controller_input, frame_count),
+    SAME(controller_input, update_count),
+    SAME(controller_input, frame),
+    SAME(controller_input, frame_us),
+    STRUCT(controller_input, update, target_update),
 };
 struct layout layout_controller_input = LAYOUT(controller_input, controller_input_fields);
 

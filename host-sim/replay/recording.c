@@ -91,6 +91,7 @@ void recorder_tick(struct recorder *recorder, const struct controller_input *inp
         fprintf(file, " f %" PRIx32 " %x ", frame->id, frame->flags);
         write_hex(file, frame->data, frame->length);
         fputs(frame->length == 0U ? "-" : "", file);
+        fprintf(file, " %" PRIu32, input->frame_us[i]);
     }
     for (uint32_t i = 0; i < input->update_count && i < CONTROLLER_UPDATES_MAX; i++) {
         fputs(" u ", file);
@@ -177,11 +178,13 @@ static void read_frame(struct reader *reader) {
     } else {
         frame.length = (uint8_t)next_bytes(reader, frame.data, sizeof frame.data);
     }
+    const uint32_t arrived_us = (uint32_t)next_number(reader, 10, UINT32_MAX);
     if (reader->input.frame_count == CONTROLLER_FRAMES_IN_MAX) {
         reader->failed = true;
         return;
     }
-    reader->input.frame[reader->input.frame_count++] = frame;
+    reader->input.frame[reader->input.frame_count] = frame;
+    reader->input.frame_us[reader->input.frame_count++] = arrived_us;
 }
 
 static void read_update(struct reader *reader) {

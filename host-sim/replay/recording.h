@@ -6,10 +6,11 @@
 /// replay compares.
 ///
 /// The file is text: `start HEX` (a controller begins, with these settings), then a line a tick:
-/// `t NOW_US COMMANDS` and any number of ` f ID FLAGS DATA` (a frame; in hexadecimal, data may be
-/// `-`), ` u HEX` (a target update) and ` p HEX` (a pan); after every 1,000 ticks and at the end `h
-/// TICKS HASH`. HEX is the structure as a 32-bit ARM has it in memory (replay/layout.h). Shown:
-/// tests/scenario/test_recording.c; on an emulated board tests/mcu/cpu/same_bits.sh.
+/// `t NOW_US COMMANDS` and any number of ` f ID FLAGS DATA AT_US` (a frame and when it arrived; all
+/// but the time in hexadecimal, data may be `-`), ` u HEX` (a target update) and ` p HEX` (a pan);
+/// after every 1,000 ticks and at the end `h TICKS HASH`. HEX is the structure as a 32-bit ARM has
+/// it in memory (replay/layout.h). Shown: tests/scenario/test_recording.c; on an emulated board
+/// tests/mcu/cpu/same_bits.sh.
 #ifndef REPLAY_RECORDING_H
 #define REPLAY_RECORDING_H
 

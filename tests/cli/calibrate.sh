@@ -74,23 +74,23 @@ run calibrate "$dir/rig.ini" --keep-limits --json </dev/null
 verdict 'limits are kept when asked to' $?
 
 # ---------------------------------------------------------------- the camera
-# A simulated camera stamps its frames late by what its name says. What is measured is 2 ms less: that old are the
-# measurements of the axes when they are heard of, by which the frames are placed.
+# A simulated camera stamps its frames late by what its name says. What is measured is 0.3 ms less: so long a drive needs
+# to say where it is, and the end of its answer is what is timed.
 thing() { printf '{"id": 3, "dir": [0.05, 1, 0.02]}\n{"id": 4, "dir": [-0.15, 1, 0.1]}\n' >"$dir/world"; }
 thing
-for late in 0 35 80; do
+for late in 5 20 35 60; do
     sed "s|^detect.*|detect = markers\nrate_hz = 12\ndevice = fake:$dir/world@$late|" host-sim/rigs/camera.ini >"$dir/rig.ini"
     cp "$dir/rig.ini" "$dir/before.ini"
     run calibrate "$dir/rig.ini" --camera --json </dev/null
-    [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" "$late" 4 1 && within "$(value camera_rms_deg)" 0.0001 0.1
+    [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" "$late" 0.8 0.2 && within "$(value camera_rms_deg)" 0.0001 0.1
     verdict "the latency of a camera that is $late ms late" $?
     diff "$dir/before.ini" "$dir/rig.ini" >"$dir/diff"
     [ "$(grep -c '^<' "$dir/diff")" -eq 0 ] && [ "$(grep -c '^> latency_ms = ' "$dir/diff")" -eq 1 ] && [ "$(grep -c '^>' "$dir/diff")" -eq 1 ] &&
-        near "$(sed -n 's/^latency_ms = //p' "$dir/rig.ini")" "$late" 4 1 && ! grep -q 'pan_' "$dir/out"
+        near "$(sed -n 's/^latency_ms = //p' "$dir/rig.ini")" "$late" 0.8 0.2 && ! grep -q 'pan_' "$dir/out"
     verdict "and is written back ($late)" $?
 done
 run calibrate "$dir/rig.ini" --keep-limits --json </dev/null # beside the axes; what is in the file already does not matter
-[ "$status" -eq 0 ] && near "$(value camera_latency_ms)" 80 4 1 && within "$(value pan_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms' "$dir/rig.ini")" -eq 3 ]
+[ "$status" -eq 0 ] && near "$(value camera_latency_ms)" 60 0.8 0.2 && within "$(value pan_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms' "$dir/rig.ini")" -eq 3 ]
 verdict 'axes and camera together' $?
 # Hobby servos say nothing of where they are: what they are late by is in it, so that frames are placed right.
 sed "s|^\[camera\]|&\ndetect = markers\nrate_hz = 12\nwidth_px = 320\nheight_px = 240\ndevice = fake:$dir/world@35|" host-sim/rigs/hobby.ini >"$dir/rig.ini"

@@ -40,7 +40,11 @@ static void between_two_poses(void) {
     CHECK(pose_history_at(&history, 0xFFFFE000U, &at) == POSE_OK && at.pan_deg == 10.0);
     CHECK(pose_history_at(&history, 0xFFFFE000U + 16000U, &at) == POSE_OK && at.pan_deg == 40.0);
     CHECK(pose_history_at(&history, 0xFFFFE000U - 1U, &at) == POSE_ERROR_TOO_OLD);
-    CHECK(pose_history_at(&history, 0xFFFFE000U + 116000U, &at) == POSE_OK && at.pan_deg == 40.0);
+    // It goes on until the next one would be due.
+    CHECK(pose_history_at(&history, 0xFFFFE000U + 18000U, &at) == POSE_OK);
+    CHECK(fabs(at.pan_deg - 45.0) < 1e-12 && fabs(at.tilt_deg + 4.5) < 1e-12 && at.zoom == 2.0);
+    CHECK(pose_history_at(&history, 0xFFFFE000U + 116000U, &at) == POSE_OK);
+    CHECK(fabs(at.pan_deg - 60.0) < 1e-12 && fabs(at.tilt_deg + 6.0) < 1e-12 && at.zoom == 2.0);
     CHECK(pose_history_at(&history, 0xFFFFE000U + 116001U, &at) == POSE_ERROR_TOO_NEW);
 }
 

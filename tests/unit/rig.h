@@ -127,6 +127,7 @@ static inline int32_t rig_value(const struct can_frame *frame) {
 
 static inline void rig_receive(struct can_frame frame) {
     if (rig.input.frame_count < CONTROLLER_FRAMES_IN_MAX) {
+        rig.input.frame_us[rig.input.frame_count] = rig.input.now_us;
         rig.input.frame[rig.input.frame_count++] = frame;
     }
 }

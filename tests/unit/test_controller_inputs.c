@@ -347,6 +347,25 @@ static void modes_and_faults_have_names(void) {
     CHECK(same_text(controller_fault_name(UINT32_C(1) << 31), "none"));
 }
 
+/// What a drive says is of the moment when it said it, not of the tick that finds it in a queue.
+static void a_measurement_has_the_time_of_its_arrival(void) {
+    const struct {
+        uint32_t age_us, counts_us;
+    } cases[] = {{0, 0}, {400, 400}, {7000, 7000}, {UINT32_C(0x80000001), 0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rig_configure();
+        rig_start(0xFFFFFE00, 0); // the clock wraps on the way
+        CHECK(rig_until(MODE_READY, 60));
+        rig_ticks(10);
+        rig.input.frame_count = 0;
+        rig_receive((struct can_frame){.id = 0x240 + RIG_PAN_ID, .length = 8, .data = {0x92}});
+        rig.input.frame_us[0] = rig.input.now_us - cases[i].age_us;
+        rig_tick();
+        const struct controller_status *const status = &rig.output.status;
+        CHECK_EQ(status->time_us - status->axis[AXIS_PAN].measured_us, cases[i].counts_us);
+    }
+}
+
 int main(void) {
     TEST(settings_that_are_not_valid);
     TEST(limits_that_are_not_valid);
@@ -361,5 +380,6 @@ int main(void) {
     TEST(the_aim_waits_for_a_frame);
     TEST(random_inputs);
     TEST(modes_and_faults_have_names);
+    TEST(a_measurement_has_the_time_of_its_arrival);
     return check_finish();
 }

@@ -199,7 +199,7 @@ static void servos_say_nothing(void) {
     use_pwm();
     for (uint32_t id = 0; id <= CAN_FRAME_STANDARD_ID_MAX; id++) {
         const struct can_frame frame = {.id = id, .length = 8, .data = {0x92}};
-        CHECK(!drive_receive(&drive, &frame, 9));
+        CHECK(!drive_receive(&drive, &frame, 9, 0));
     }
     CHECK_EQ(drive_check(&drive, UINT64_MAX, 0), DRIVE_HEALTHY);
     CHECK(!drive_has_feedback(&drive));

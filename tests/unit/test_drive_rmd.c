@@ -83,7 +83,7 @@ static struct can_frame lk_angle(int64_t cdeg) {
 }
 
 static bool receive(struct can_frame frame, uint64_t now_us) {
-    return drive_receive(&drive, &frame, now_us);
+    return drive_receive(&drive, &frame, now_us, 0);
 }
 
 /// The four answers of the start-up, in any order.

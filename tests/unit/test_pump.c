@@ -45,7 +45,7 @@ static enum hal_status can_receive(void *ctx, struct can_frame *frame, uint32_t 
         return HAL_EMPTY;
     }
     *frame = world.received[world.received_first++];
-    *received_us = world.now_us;
+    *received_us = world.now_us - world.received_count;
     world.received_count--;
     return HAL_OK;
 }
@@ -214,6 +214,7 @@ static void the_clock_and_the_frames_go_in(void) {
     CHECK_EQ(pump.input.now_us, 0xFFFFFFFF);
     CHECK_EQ(pump.input.frame_count, CONTROLLER_FRAMES_IN_MAX);
     CHECK_EQ(pump.input.frame[15].id, 0x70F);
+    CHECK_EQ(pump.input.frame_us[15], 0xFFFFFFFF - 25U); // when it arrived, with it
     step();
     CHECK_EQ(pump.input.frame_count, CONTROLLER_FRAMES_IN_MAX);
     CHECK_EQ(pump.input.frame[0].id, 0x710);

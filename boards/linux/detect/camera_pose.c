@@ -39,6 +39,27 @@ static double between(double a, double b, double part) {
     return a + (b - a) * part;
 }
 
+static struct camera_pose mix(const struct camera_pose *a, const struct camera_pose *b,
+                              double part) {
+    return (struct camera_pose){between(a->pan_deg, b->pan_deg, part),
+                                between(a->tilt_deg, b->tilt_deg, part),
+                                between(a->zoom, b->zoom, part)};
+}
+
+/// It goes on as between the newest two until one is due again, and then stands.
+static struct camera_pose after_newest(const struct pose_history *history, uint32_t by_us) {
+    const struct pose_sample *newest = sample(history, 0);
+    if (history->count < 2U || by_us == 0U) {
+        return newest->pose;
+    }
+    const struct pose_sample *before = sample(history, 1);
+    const double apart_us = (double)(newest->at_us - before->at_us);
+    struct camera_pose pose =
+        mix(&before->pose, &newest->pose, 1.0 + fmin((double)by_us / apart_us, 1.0));
+    pose.zoom = newest->pose.zoom; // of a step in the zoom nothing follows
+    return pose;
+}
+
 enum pose_status pose_history_at(const struct pose_history *history, uint32_t at_us,
                                  struct camera_pose *pose) {
     if (history->count == 0U) {
@@ -47,7 +68,7 @@ enum pose_status pose_history_at(const struct pose_history *history, uint32_t at
     const struct pose_sample *newest = sample(history, 0);
     const uint32_t age_us = newest->at_us - at_us; // huge if at_us is after the newest
     if (age_us > INT32_MAX) {
-        *pose = newest->pose;
+        *pose = after_newest(history, at_us - newest->at_us);
         return at_us - newest->at_us <= POSE_AHEAD_US_MAX ? POSE_OK : POSE_ERROR_TOO_NEW;
     }
     if (age_us > newest->at_us - sample(history, history->count - 1U)->at_us) {
@@ -70,9 +91,7 @@ enum pose_status pose_history_at(const struct pose_history *history, uint32_t at
     }
     const struct pose_sample *after = sample(history, low - 1U);
     const double part = (double)(at_us - before->at_us) / (double)(after->at_us - before->at_us);
-    *pose = (struct camera_pose){between(before->pose.pan_deg, after->pose.pan_deg, part),
-                                 between(before->pose.tilt_deg, after->pose.tilt_deg, part),
-                                 between(before->pose.zoom, after->pose.zoom, part)};
+    *pose = mix(&before->pose, &after->pose, part);
     return POSE_OK;
 }
 

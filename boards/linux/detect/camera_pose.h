@@ -44,7 +44,8 @@ enum pose_status {
     POSE_ERROR_TOO_NEW = -3  ///< more than POSE_AHEAD_US_MAX after the newest
 };
 
-/// The newest pose stands for so long.
+/// After the newest pose pan and tilt are taken to go on as between the last two, for as long as
+/// those are apart, and then to stand, for so long.
 #define POSE_AHEAD_US_MAX 100000U
 
 /// The pose at a time, linear between the samples around it.

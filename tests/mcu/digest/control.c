@@ -34,7 +34,7 @@ static void rmd(void) {
             frame.data[k] = (uint8_t)(data >> (8U * k));
         }
         frame.data[0] = commands[digest_below(&d, sizeof commands)];
-        digest_i64(&d, drive_receive(&drive, &frame, 1000));
+        digest_i64(&d, drive_receive(&drive, &frame, 1000, 0));
         digest_i64(&d, drive.position_q48);
         drive_tick(&drive, (uint32_t)i, true, digest_any_i64(&d) / 512, &output);
         for (uint32_t k = 0; k < output.frame_count; k++) {
