@@ -91,12 +91,11 @@ static bool count_edges(struct mesh *mesh) {
 /// Once more, with the vertices only. Why: which of the points in a face came to be corners of
 /// triangles hangs on the order in which they were added.
 static void run_again(struct mesh *mesh) {
-    uint32_t chain = MESH_NONE, left = 0;
+    uint32_t chain = MESH_NONE;
     for (uint32_t i = mesh->count + 1U; i-- != 0U;) {
         if (mesh->outside[i] >= 3U) {
             mesh->next[i] = chain;
             chain = i;
-            left++;
         }
     }
     // The first four that span space.

@@ -2,10 +2,15 @@
 # Layout and length of every C file, what headers state and name, and violations planted to see that the gate catches them.
 . tests/gate/verdict.sh
 files=$(git ls-files --cached --others --exclude-standard '*.c' '*.h')
-# The exit status of clang-format 14 tells; what is off is shown by its first lines.
-clang-format --dry-run -Werror $files 2>&1 | head -n 20
-clang-format --dry-run -Werror $files 2>/dev/null
-verdict 'layout (make format mends it)' $?
+# Other versions lay out a few lines otherwise, so only 14 judges. Its exit status tells; what is off is shown by its first lines.
+judge=$(clang-format --version | sed 's/.*version \([0-9]*\).*/\1/')
+if [ "$judge" = 14 ]; then
+    clang-format --dry-run -Werror $files 2>&1 | head -n 20
+    clang-format --dry-run -Werror $files 2>/dev/null
+    verdict 'layout (make format mends it)' $?
+else
+    echo "SKIP layout: clang-format 14 judges it, this is $judge"
+fi
 # Tables of vectors are data, however long.
 awk -f tests/gate/check/lengths.awk $(printf '%s\n' $files | grep -v '^tests/vectors/')
 verdict 'length of files, functions and lines' $?

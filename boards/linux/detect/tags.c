@@ -179,10 +179,13 @@ bool tags_draw(const char *family, uint32_t id, uint8_t texture[TAGS_CELLS_MAX *
     if (created == NULL) {
         return false;
     }
-    const bool known = id < created->ncodes && created->total_width <= TAGS_CELLS_MAX;
+    // The number's type is int in one version of the library and uint32_t in another; 16 bits fit
+    // both.
+    const bool known =
+        id <= UINT16_MAX && id < created->ncodes && created->total_width <= TAGS_CELLS_MAX;
     if (known) {
         *cells = (uint32_t)created->total_width;
-        image_u8_t *picture = apriltag_to_image(created, (int)id);
+        image_u8_t *picture = apriltag_to_image(created, (uint16_t)id);
         for (uint32_t v = 0; v < *cells; v++) {
             memcpy(texture + (size_t)v * *cells, picture->buf + (size_t)v * (size_t)picture->stride,
                    *cells);
