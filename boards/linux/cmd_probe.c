@@ -295,10 +295,12 @@ static enum exit_status run_command(const struct command *command, int argc, cha
                                        "chip or camera is here");
     }
     if (linux_gpio_library() == NULL) {
-        message_command(command->name, "GPIO chips are not looked for: built without libgpiod");
+        message_command(command->name, "GPIO chips are not looked for: built without libgpiod; "
+                                       "install libgpiod-dev and build it again");
     }
     if (linux_usb_library() == NULL) {
-        message_command(command->name, "USB is not looked at: built without libusb");
+        message_command(command->name, "USB is not looked at: built without libusb; "
+                                       "install libusb-1.0-0-dev and build it again");
     }
     return EXIT_STATUS_OK;
 }
