@@ -238,4 +238,35 @@ wait $runner
 verdict refusals.ends_well $? "$work/run.err"
 exec 8>&-
 end_serve
-# Whoever reads the emulated devices' ends with this machine.
+
+# ---------------------------------------------------------------- the device rules that `make install` installs, as udev takes them
+udevd=/lib/systemd/systemd-udevd
+if [ ! -x $udevd ]; then
+    echo 'SKIP vm.refusals.device_rules: no udev here'
+    exit
+fi
+cp /etc/group "$work/group"
+for group in gpio plugdev; do grep -q "^$group:" "$work/group" || echo "$group:x:$((7000 + $(wc -l <"$work/group"))):" >>"$work/group"; done
+mount --bind "$work/group" /etc/group
+rm -r /dev/v4l
+mkdir -p /run/udev/rules.d && cp boards/linux/package/70-boresight.rules /run/udev/rules.d/
+$udevd --daemon >"$work/udev" 2>&1
+for kind in usb gpio pwm video4linux; do udevadm trigger --action=add --subsystem-match=$kind >>"$work/udev" 2>&1; done
+udevadm settle --timeout=120
+belongs() { # FILE GROUP
+    [ "$(stat -L -c %G "$1")" = "$2" ] && case $(stat -L -c %A "$1") in ?????w*) true ;; *) false ;; esac
+}
+belongs "$(usb_file 1ffb)" plugdev && belongs "$(usb_file 1d50)" plugdev
+verdict refusals.rules_give_usb_devices_to_their_group $? "$work/udev"
+belongs "/dev/$gpio" gpio
+verdict refusals.rules_give_lines_to_their_group $? "$work/udev"
+belongs /sys/class/pwm/pwmchip0/export gpio
+verdict refusals.rules_give_pwm_chips_to_their_group $? "$work/udev"
+"$boresight" probe >"$work/probe" 2>&1
+grep -q '^camera .* device = /dev/v4l/by-\(id\|path\)/' "$work/probe"
+verdict refusals.probe_shows_the_links_of_udev $? "$work/probe"
+# A person in these groups, who is not root: an output that nobody has exported before, too.
+sed -i "s/^channel = 2/channel = 9/; s/^settle_ms.*/&\nestop = $gpio:1/" "$work/held.ini"
+setpriv --reuid 65534 --regid 65534 --groups gpio,plugdev,video "$boresight" run "$work/held.ini" --seconds 1 >/dev/null 2>"$work/err"
+[ $? -eq 0 ]
+verdict refusals.members_of_the_groups_may_use_them $? "$work/err"
