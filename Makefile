@@ -161,11 +161,22 @@ figures: $(B)/boresight ## Draw the figures of docs/geometry.md and docs/regular
 help: ## List the targets
 	@grep -hE '^[a-z-]+:.*## ' Makefile boards/boards.mk tests/tests.mk tests/vm/vm.mk tests/bench/bench.mk | sed -E 's/:.*## /\t/' | sort | expand -t 16
 
-install: $(B)/boresight ## Install the program (PREFIX, DESTDIR)
+# Beside the program: who may use the devices (udev), the service, and rig files to begin with (docs/rig.md).
+package := boards/linux/package
+share := $(DESTDIR)$(PREFIX)/share/boresight
+rules := $(DESTDIR)$(PREFIX)/lib/udev/rules.d/70-boresight.rules
+service := $(DESTDIR)$(PREFIX)/lib/systemd/system/boresight.service
+install: $(B)/boresight ## Install the program, its service, device rules and rig files (PREFIX, DESTDIR)
 	install -D -m 755 $(B)/boresight $(DESTDIR)$(PREFIX)/bin/boresight
+	install -D -m 644 $(package)/70-boresight.rules $(rules)
+	install -d $(dir $(service)) $(share)/rigs
+	sed 's|@PREFIX@|$(PREFIX)|' $(package)/boresight.service >$(service)
+	chmod 644 $(service)
+	install -m 644 $(package)/80-can.network $(share)
+	install -m 644 boards/linux/rigs/*.ini $(share)/rigs
 
 uninstall: ## Remove what install installed
-	rm -f $(DESTDIR)$(PREFIX)/bin/boresight
+	rm -rf $(DESTDIR)$(PREFIX)/bin/boresight $(rules) $(service) $(share)
 
 clean: ## Remove build/
 	rm -rf $(B)

@@ -45,6 +45,7 @@ $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/excep
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight
 $(foreach d,script script-san,$(B)/check/$(d)/tests/cli/board.log): $(B)/gcc/tests/cli/support/pty_board
 -include $(B)/gcc/tests/cli/support/pty_board.d
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/refusals.log): $(B)/gcc/tests/cli/support/pty_witness
 
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.
 $(B)/check/script/%.log: %.sh $(B)/boresight FORCE

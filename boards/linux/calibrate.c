@@ -84,6 +84,20 @@ static bool is_tracking(const struct calibrate *c) {
     return c->runner.controller->mode == MODE_TRACKING;
 }
 
+/// Until all drives have answered: nothing moves before.
+static bool await_drives(struct calibrate *c) {
+    while (c->runner.controller->mode == MODE_STARTING) {
+        if (c->runner.device_failed) { // and told
+            c->runner.status = EXIT_STATUS_DEVICE;
+            return false;
+        }
+        if (!runner_tick(&c->runner)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /// Arms it, and waits until it takes aims.
 static bool arm(struct calibrate *c) {
     const uint64_t start_us = now_us(c);
@@ -354,6 +368,11 @@ static bool measure(struct calibrate *c, const struct calibrate_settings *settin
     if (!runner_tick(&c->runner)) {
         return false;
     }
+    if (!await_drives(c)) {
+        return false;
+    }
+    message_command(settings->command, "pan and tilt move now, within the limits of %s",
+                    settings->rig_file);
     push_aim(c);
     return arm(c) && measure_axes(c, settings->with_ends, limit_deg) && calibrate_camera(c);
 }
@@ -375,6 +394,19 @@ static bool has_something(const struct calibrate *c, const struct calibrate_sett
     return any;
 }
 
+/// What a board drives is not this program's to move, and the drives in the file are not here.
+static enum exit_status refuse_board(const char *file) {
+    struct rig rig;
+    enum exit_status status = rig_read(file, 0, &rig);
+    if (status == EXIT_STATUS_OK && rig.board_device != NULL) {
+        ini_complain(&rig.ini, "controller", "", "board",
+                     "drives the rig: only what this program drives itself can be measured");
+        status = EXIT_STATUS_USAGE;
+    }
+    rig_free(&rig);
+    return status;
+}
+
 enum exit_status calibrate_run(struct calibrate *c, const struct calibrate_settings *settings) {
     const struct runner_settings running = {.command = settings->command,
                                             .rig_file = settings->rig_file,
@@ -382,7 +414,8 @@ enum exit_status calibrate_run(struct calibrate *c, const struct calibrate_setti
                                             .arm = true,
                                             .stay = true,
                                             .hurry = true};
-    enum exit_status status = runner_start(&c->runner, &running);
+    enum exit_status status = refuse_board(settings->rig_file);
+    status = status == EXIT_STATUS_OK ? runner_start(&c->runner, &running) : status;
     if (status != EXIT_STATUS_OK) {
         return status;
     }
@@ -390,8 +423,6 @@ enum exit_status calibrate_run(struct calibrate *c, const struct calibrate_setti
         return EXIT_STATUS_USAGE;
     }
     calibrate_camera_rests(c);
-    message_command(settings->command, "pan and tilt move now, within the limits of %s",
-                    settings->rig_file);
     const bool good = measure(c, settings);
     status = c->runner.status;
     if (!good && status == EXIT_STATUS_OK) {

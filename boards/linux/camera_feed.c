@@ -1,5 +1,7 @@
 #include "camera_feed.h"
 
+#include "linux/linux_luma.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -33,10 +35,31 @@ static const char *error_line(const struct camera_feed *feed) {
                                         : feed->camera.error.line;
 }
 
-static enum hal_status open_and_start(struct camera_feed *feed) {
+/// A program that can't read JPEG takes anything else that the camera has.
+static enum hal_status negotiate(struct camera_feed *feed) {
     feed->format = feed->settings.wish;
+    enum hal_status status = hal_camera_negotiate(feed->hal, &feed->format);
+    for (unsigned pixels = HAL_CAMERA_GREY;
+         status == HAL_OK && feed->format.pixels == HAL_CAMERA_MJPEG &&
+         linux_luma_jpeg_library() == NULL && pixels < HAL_CAMERA_MJPEG;
+         pixels++) {
+        feed->format = feed->settings.wish;
+        feed->format.pixels = (enum hal_camera_pixels)pixels;
+        status = hal_camera_negotiate(feed->hal, &feed->format);
+    }
+    if (status == HAL_OK && feed->format.pixels == HAL_CAMERA_MJPEG &&
+        linux_luma_jpeg_library() == NULL) {
+        linux_error_set(&feed->camera.error, feed->path,
+                        "it sends MJPEG only, and this program was built without libjpeg-turbo",
+                        "install libjpeg62-turbo-dev and build it again");
+        return HAL_ERROR_UNSUPPORTED;
+    }
+    return status;
+}
+
+static enum hal_status open_and_start(struct camera_feed *feed) {
     enum hal_status status = open_device(feed);
-    status = status == HAL_OK ? hal_camera_negotiate(feed->hal, &feed->format) : status;
+    status = status == HAL_OK ? negotiate(feed) : status;
     status = status == HAL_OK ? hal_camera_start(feed->hal) : status;
     if (status != HAL_OK) {
         close_device(feed);

@@ -6,11 +6,14 @@
 #include "linux/linux_can.h"
 #include "linux/linux_gpio.h"
 #include "linux/linux_gs_usb.h"
+#include "linux/linux_links.h"
 #include "linux/linux_pwm.h"
+#include "linux/linux_serial.h"
 #include "linux/linux_usb.h"
 
 #include <glob.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { DEVICES_MAX = 64, TEXT_BYTES = 160 };
 
@@ -24,7 +27,7 @@ static const struct option options[] = {OPTION_JSON(struct settings)};
 struct found {
     const char *kind;
     char name[64];
-    char write[LINUX_CAMERA_PATH_BYTES + 16]; ///< what to write into a rig file
+    char write[LINUX_SERIAL_PATH_BYTES + 16]; ///< what to write into a rig file
     char about[TEXT_BYTES];
     char first[TEXT_BYTES]; ///< what has to be done before; empty: nothing
 };
@@ -85,6 +88,29 @@ static unsigned probe_can(bool as_json) {
     return count;
 }
 
+/// What of `DEVICE: REASON; REMEDY` is to be done.
+static void take_remedy(const struct linux_error *error, struct found *found) {
+    const char *remedy = strrchr(error->line, ';');
+    snprintf(found->first, sizeof found->first, "%.150s",
+             remedy != NULL ? remedy + 2 : error->line);
+}
+
+static void describe_serial(const char *node, bool shared, bool as_json) {
+    struct found found = {.kind = "serial"};
+    char path[LINUX_SERIAL_PATH_BYTES];
+    struct linux_error error;
+    snprintf(path, sizeof path, "%s", node);
+    linux_links_prefer(LINUX_LINKS_SERIAL, shared, path, sizeof path);
+    snprintf(found.name, sizeof found.name, "%.63s", node);
+    snprintf(found.write, sizeof found.write, "bus = slcan:%s", path);
+    snprintf(found.about, sizeof found.about, "if it is a slcan adapter");
+    if (access(node, R_OK | W_OK) != 0) {
+        (void)linux_error_denied(&error, node, node);
+        take_remedy(&error, &found);
+    }
+    print_found(&found, as_json);
+}
+
 /// Serial ports may have a slcan adapter, which does not say what it is.
 static unsigned probe_serial(bool as_json) {
     glob_t paths = {0};
@@ -92,12 +118,12 @@ static unsigned probe_serial(bool as_json) {
     const int modems = glob("/dev/ttyACM*", 0, NULL, &paths);
     const int adapters = glob("/dev/ttyUSB*", GLOB_APPEND, NULL, &paths);
     if (modems == 0 || adapters == 0) {
+        bool shared = false;
         for (size_t i = 0; i < paths.gl_pathc; i++) {
-            struct found found = {.kind = "serial"};
-            snprintf(found.name, sizeof found.name, "%.63s", paths.gl_pathv[i]);
-            snprintf(found.write, sizeof found.write, "bus = slcan:%.60s", paths.gl_pathv[i]);
-            snprintf(found.about, sizeof found.about, "if it is a slcan adapter");
-            print_found(&found, as_json);
+            shared = shared || !linux_links_has_id(LINUX_LINKS_SERIAL, paths.gl_pathv[i]);
+        }
+        for (size_t i = 0; i < paths.gl_pathc; i++) {
+            describe_serial(paths.gl_pathv[i], shared, as_json);
             count++;
         }
     }
@@ -112,8 +138,13 @@ static unsigned probe_gpio(bool as_json) {
         struct found found = {.kind = "gpio"};
         snprintf(found.name, sizeof found.name, "%.63s", chips[i].name);
         snprintf(found.write, sizeof found.write, "estop = %.40s:LINE:up", chips[i].name);
-        snprintf(found.about, sizeof found.about, "'%.63s', lines 0 to %u", chips[i].label,
-                 (unsigned)chips[i].line_count - 1U);
+        if (chips[i].error.line[0] != '\0') {
+            snprintf(found.about, sizeof found.about, "not looked at");
+            take_remedy(&chips[i].error, &found);
+        } else {
+            snprintf(found.about, sizeof found.about, "'%.63s', lines 0 to %u", chips[i].label,
+                     (unsigned)chips[i].line_count - 1U);
+        }
         print_found(&found, as_json);
     }
     return count;
@@ -128,6 +159,13 @@ static unsigned probe_pwm(bool as_json) {
         snprintf(found.write, sizeof found.write, "device = %.31s", chips[i].name);
         snprintf(found.about, sizeof found.about, "%s%schannels 0 to %u", chips[i].driver,
                  chips[i].driver[0] != '\0' ? ", " : "", (unsigned)chips[i].channel_count - 1U);
+        char path[100];
+        struct linux_error error;
+        snprintf(path, sizeof path, "%s/%.31s/export", LINUX_PWM_ROOT, chips[i].name);
+        if (access(path, W_OK) != 0) {
+            (void)linux_error_denied(&error, chips[i].name, path);
+            take_remedy(&error, &found);
+        }
         print_found(&found, as_json);
     }
     return count;
@@ -214,7 +252,7 @@ static void describe_camera(const struct linux_camera_info *camera, struct found
     snprintf(found->write, sizeof found->write, "device = %s", camera->path);
     if (camera->error.line[0] != '\0') {
         snprintf(found->about, sizeof found->about, "not looked at");
-        snprintf(found->first, sizeof found->first, "%.150s", camera->error.line);
+        take_remedy(&camera->error, found);
         return;
     }
     for (unsigned i = 0; i < 3U; i++) {
@@ -257,10 +295,12 @@ static enum exit_status run_command(const struct command *command, int argc, cha
                                        "chip or camera is here");
     }
     if (linux_gpio_library() == NULL) {
-        message_command(command->name, "GPIO chips are not looked for: built without libgpiod");
+        message_command(command->name, "GPIO chips are not looked for: built without libgpiod; "
+                                       "install libgpiod-dev and build it again");
     }
     if (linux_usb_library() == NULL) {
-        message_command(command->name, "USB is not looked at: built without libusb");
+        message_command(command->name, "USB is not looked at: built without libusb; "
+                                       "install libusb-1.0-0-dev and build it again");
     }
     return EXIT_STATUS_OK;
 }

@@ -109,6 +109,7 @@ static enum exit_status drive_board(const struct command *command, const struct 
     const struct sigaction action = {.sa_handler = interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    (void)signal(SIGPIPE, SIG_IGN);
     if (settings->stay || settings->log != NULL || settings->state != NULL) {
         message_command(command->name, "--stay, --log and --state are not for a rig with a board");
         return EXIT_STATUS_USAGE;

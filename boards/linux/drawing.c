@@ -126,7 +126,9 @@ enum exit_status drawing_write(const struct drawing *drawing, const char *path) 
     void *png = NULL;
     if (has_ending(path, ".png")) {
         if (drawing_png_library() == NULL) {
-            message_at(path, 0, "this program was built without cairo: it writes .svg only");
+            message_at(path, 0,
+                       "this program was built without cairo: it writes .svg only; "
+                       "install libcairo2-dev and build it again");
             return EXIT_STATUS_USAGE;
         }
         png = drawing->failed ? NULL : drawing_png(drawing, &size);

@@ -54,6 +54,7 @@ static sigset_t our_signals(void) {
 void event_loop_block_signals(void) {
     const sigset_t set = our_signals();
     (void)sigprocmask(SIG_BLOCK, &set, NULL);
+    (void)signal(SIGPIPE, SIG_IGN);
 }
 
 static bool open_signals(struct event_loop *loop) {

@@ -39,6 +39,7 @@ struct event_loop {
 
 /// Keeps the signals above for the loop that is opened later. Before anything starts a thread
 /// (libusb does): a thread that does not block them would be killed by them, and all with it.
+/// SIGPIPE is ignored from now on: whoever reads the results may leave, the rig goes on.
 void event_loop_block_signals(void);
 
 /// From now on the signals above no longer end the program but are told by event_loop_tick. The

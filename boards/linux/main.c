@@ -11,6 +11,7 @@
 #include "linux/linux_usb.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <stdio.h>
 #include <string.h>
@@ -136,7 +137,19 @@ static enum exit_status run(int argc, char *const *argv) {
     return command->run(command, argc - 2, argv + 2);
 }
 
+/// A device that is opened must not become the place where results or messages go. What was closed
+/// stays useless: reading and writing fail as before.
+static void keep_standard_files(void) {
+    static const int modes[] = {O_WRONLY, O_RDONLY, O_WRONLY};
+    for (int fd = 0; fd < 3; fd++) {
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
+            (void)!open("/dev/null", modes[fd]);
+        }
+    }
+}
+
 int main(int argc, char **argv) {
+    keep_standard_files();
     const enum exit_status status = run(argc, argv);
     // Results that did not arrive (a full disk) must not look like success.
     if (fflush(stdout) != 0 || ferror(stdout)) {

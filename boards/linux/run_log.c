@@ -41,7 +41,11 @@ bool run_log_open(struct run_log *log, const char *target, uint64_t start_us) {
                   ? open_journal()
                   : open(target, O_WRONLY | O_APPEND | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0644);
     if (log->fd < 0) {
-        message_at(log->is_journal ? run_log_journal : target, 0, "%s", strerror(errno));
+        message_at(log->is_journal ? run_log_journal : target, 0, "%s; %s", strerror(errno),
+                   log->is_journal   ? "is systemd's journal running? --log FILE writes to a file"
+                   : errno == ENOENT ? "create its folder first"
+                   : errno == EACCES ? "name a file that this user may write"
+                                     : "name another file");
         return false;
     }
     return true;
@@ -98,6 +102,9 @@ void run_log_event(struct run_log *log, bool severe, const char *event, const ch
                      t_us / 1000000U, t_us % 1000000U, event, escaped);
     }
     if (size < 0 || write(log->fd, record, (size_t)size) != (ssize_t)size) {
-        log->dropped++;
+        if (log->dropped++ == 0U) { // the rig matters more
+            message_at(log->name, 0, "%s; the rig goes on, log_dropped counts what is lost",
+                       strerror(errno));
+        }
     }
 }

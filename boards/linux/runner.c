@@ -38,8 +38,14 @@ static void tell_mode(struct runner *runner) {
     if (controller->mode == runner->told_mode && controller->faults == runner->told_faults) {
         return;
     }
+    if (controller->mode == MODE_STARTING && runner->told_mode != MODE_STARTING) {
+        runner->starting_since_us = event_loop_now_us();
+    }
     runner->told_mode = controller->mode;
     runner->told_faults = controller->faults;
+    if (controller->mode == MODE_STARTING && controller->faults == FAULT_DRIVE_SILENT) {
+        return; // as every drive at first; look_for_answers tells which stays silent
+    }
     const bool faulted = controller->faults != 0U;
     runner_tell(runner, faulted, faulted ? "fault" : "mode", "%s%s%s%s%s",
                 controller_mode_name(controller->mode), faulted ? ": " : "",
@@ -110,23 +116,39 @@ static void set_enable(struct runner *runner) {
 
 // ---------------------------------------------------------------- devices that fail
 
-/// A drive that never answers is as missing as an interface.
-static void look_for_answers(struct runner *runner, uint64_t now_us) {
+static bool any_missing(const struct runner *runner) {
+    return rig_lines_lost(&runner->lines) ||
+           (runner->sim == NULL && rig_devices_incomplete(&runner->devices));
+}
+
+/// A drive that never answers is as missing as an interface. Each is told of once.
+static void tell_silent_drives(struct runner *runner) {
     const struct controller *controller = runner->controller;
-    if (controller->mode != MODE_STARTING ||
-        now_us - runner->starting_since_us < ANSWER_WITHIN_US) {
-        return;
-    }
-    runner->starting_since_us = now_us;
     for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
         const struct drive_config *drive = &runner->rig.controller.axis[axis].drive;
-        if (drive->kind == DRIVE_RMD && !controller->drive[axis].ready) {
-            runner->device_failed = true;
+        if (drive->kind != DRIVE_RMD || controller->drive[axis].ready) {
+            continue;
+        }
+        runner->device_failed = true;
+        if (!runner->told_silent[axis]) {
+            runner->told_silent[axis] = true;
             runner_tell(runner, true, "device",
                         "%s: drive %u does not answer; is it powered, its id and the bit rate "
                         "right, the bus terminated?",
                         runner->rig.bus[axis], drive->rmd.id);
         }
+    }
+}
+
+static void look_for_answers(struct runner *runner, uint64_t now_us) {
+    const bool starting = runner->controller->mode == MODE_STARTING;
+    if (starting && now_us - runner->starting_since_us >= ANSWER_WITHIN_US) {
+        tell_silent_drives(runner);
+    }
+    if (!starting && (runner->told_silent[AXIS_PAN] || runner->told_silent[AXIS_TILT])) {
+        runner->told_silent[AXIS_PAN] = runner->told_silent[AXIS_TILT] = false;
+        runner->device_failed = any_missing(runner);
+        runner_tell(runner, false, "device", "all drives answer");
     }
 }
 
@@ -144,11 +166,6 @@ static void look_after_camera(struct runner *runner) {
         runner->device_failed = true;
         pump_command(runner->pump, COMMAND_STOP);
     }
-}
-
-static bool any_missing(const struct runner *runner) {
-    return rig_lines_lost(&runner->lines) ||
-           (runner->sim == NULL && rig_devices_incomplete(&runner->devices));
 }
 
 /// Tries to open what is missing; tells when it is all there.
@@ -258,6 +275,9 @@ bool runner_tick(struct runner *runner) {
     take_signals(runner, raised);
     if (limit_us != 0U && !runner->stopping &&
         runner->loop.ticks * runner->loop.tick_us > limit_us) {
+        if (runner->sim == NULL && runner->controller->mode == MODE_STARTING) {
+            tell_silent_drives(runner); // nothing has come of all that time
+        }
         runner_stop(runner);
     }
     look_at_lines(runner);

@@ -12,8 +12,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define MISSING_REMEDY "is it plugged in? `boresight probe` lists the cameras"
-
 // ---------------------------------------------------------------- errors
 
 static enum hal_status set_gone(struct linux_camera *camera) {
@@ -33,7 +31,7 @@ static enum hal_status failed(struct linux_camera *camera) {
                         "take MJPEG, a smaller picture, or a port of its own");
         return HAL_ERROR_IO;
     default:
-        return linux_error_from_errno(&camera->error, camera->path, errno, MISSING_REMEDY);
+        return linux_error_from_errno(&camera->error, camera->path, errno, LINUX_CAMERA_MISSING);
     }
 }
 
@@ -181,7 +179,8 @@ static enum hal_status camera_dequeue(void *ctx, struct hal_camera_frame *frame)
     if (taken.index >= camera->buffer_count || taken.bytesused == 0U ||
         taken.bytesused > camera->buffer[taken.index].size_bytes) {
         // Cancelled, or nothing of the frame came.
-        linux_error_set(&camera->error, camera->path, "a frame without a picture", NULL);
+        linux_error_set(&camera->error, camera->path, "a frame without a picture",
+                        "another cable, port or format may help");
         return ioctl(camera->fd, VIDIOC_QBUF, &taken) == 0 ? HAL_ERROR_IO : failed(camera);
     }
     return hand_out(camera, &taken, frame);
@@ -324,7 +323,8 @@ static enum hal_status open_path(struct linux_camera *camera) {
         return HAL_ERROR_UNSUPPORTED;
     }
     if (!linux_camera_controls_open(&camera->controls, camera->fd)) {
-        linux_error_set(&camera->error, camera->path, "no thread for its controls", NULL);
+        linux_error_set(&camera->error, camera->path, "no thread for its controls",
+                        "is the system short of memory?");
         return HAL_ERROR_IO;
     }
     return HAL_OK;
@@ -337,10 +337,8 @@ enum hal_status linux_camera_open(struct linux_camera *camera, const char *devic
     camera->clock = clock;
     snprintf(camera->path, sizeof camera->path, "%s", device);
     enum hal_status status = hal_camera_bind(&camera->hal, &linux_camera_ops, camera);
-    if (status == HAL_OK && strchr(device, '/') == NULL &&
-        !linux_camera_find(device, camera->path, sizeof camera->path)) {
-        linux_error_set(&camera->error, device, "no camera of that name", MISSING_REMEDY);
-        status = HAL_ERROR_GONE;
+    if (status == HAL_OK && strchr(device, '/') == NULL) {
+        status = linux_camera_find(device, camera->path, sizeof camera->path, &camera->error);
     }
     if (status == HAL_OK) {
         status = open_path(camera);

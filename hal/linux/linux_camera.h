@@ -78,11 +78,16 @@ struct linux_camera_info {
     uint32_t controls;            ///< bit 1 << enum hal_camera_control
     uint32_t width_px, height_px; ///< of the largest picture
     struct hal_camera_range zoom;
+    bool has_id;              ///< it has a link by its serial number
     struct linux_error error; ///< why it could not be opened; empty: it could
 };
 
-/// The path of the first camera of that name. False: there is none.
-bool linux_camera_find(const char *name, char *path, size_t size);
+#define LINUX_CAMERA_MISSING "is it plugged in? `boresight probe` lists the cameras"
+
+/// The path of the camera of that name. HAL_ERROR_GONE: there is none; HAL_ERROR_DENIED: none, but
+/// some may not be looked at; HAL_ERROR_ARGUMENT: several. error: why it is not found.
+enum hal_status linux_camera_find(const char *name, char *path, size_t size,
+                                  struct linux_error *error) MUST_CHECK;
 
 /// All video devices that give frames, up to capacity. Returns how many there are.
 uint32_t linux_camera_list(struct linux_camera_info *cameras, uint32_t capacity);

@@ -1,6 +1,7 @@
 /// Which cameras there are. /dev has a node for each device, and udev links with names that stay.
 #include "linux/linux_camera.h"
 #include "linux/linux_camera_format.h"
+#include "linux/linux_links.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /// Whether frames can be had from the device, and its name. A device that can't be opened may be
@@ -37,28 +37,12 @@ static void read_controls(int fd, struct linux_camera_info *info) {
     linux_camera_controls_close(&controls);
 }
 
-/// The link that udev made for the device, if it did.
-static void prefer_link(char *path, size_t size) {
-    glob_t links = {0};
-    struct stat wanted, about;
-    if (stat(path, &wanted) == 0 && glob("/dev/v4l/by-id/*", 0, NULL, &links) == 0) {
-        for (size_t i = 0; i < links.gl_pathc; i++) {
-            if (strlen(links.gl_pathv[i]) < size && stat(links.gl_pathv[i], &about) == 0 &&
-                about.st_rdev == wanted.st_rdev) {
-                snprintf(path, size, "%s", links.gl_pathv[i]);
-                break;
-            }
-        }
-    }
-    globfree(&links);
-}
-
 static bool describe(const char *path, struct linux_camera_info *info) {
     *info = (struct linux_camera_info){0};
     snprintf(info->path, sizeof info->path, "%s", path);
     const int fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
-        (void)linux_error_from_errno(&info->error, path, errno, NULL);
+        (void)linux_error_from_errno(&info->error, path, errno, LINUX_CAMERA_MISSING);
         return errno != ENOENT && errno != ENODEV;
     }
     const bool camera = look_at(fd, info);
@@ -68,6 +52,21 @@ static bool describe(const char *path, struct linux_camera_info *info) {
     }
     close(fd);
     return camera;
+}
+
+/// By names that stay the same.
+static void name_for_good(struct linux_camera_info *cameras, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        cameras[i].has_id = linux_links_has_id(LINUX_LINKS_CAMERAS, cameras[i].path);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        bool shared = false;
+        for (uint32_t k = 0; k < count; k++) {
+            shared = shared || (!cameras[k].has_id && k != i &&
+                                strcmp(cameras[k].name, cameras[i].name) == 0);
+        }
+        linux_links_prefer(LINUX_LINKS_CAMERAS, shared, cameras[i].path, sizeof cameras[i].path);
+    }
 }
 
 uint32_t linux_camera_list(struct linux_camera_info *cameras, uint32_t capacity) {
@@ -80,32 +79,41 @@ uint32_t linux_camera_list(struct linux_camera_info *cameras, uint32_t capacity)
                 continue;
             }
             if (count < capacity) {
-                prefer_link(info.path, sizeof info.path);
                 cameras[count] = info;
             }
             count++;
         }
     }
     globfree(&nodes);
+    name_for_good(cameras, count < capacity ? count : capacity);
     return count;
 }
 
-bool linux_camera_find(const char *name, char *path, size_t size) {
+enum hal_status linux_camera_find(const char *name, char *path, size_t size,
+                                  struct linux_error *error) {
     glob_t nodes = {0};
-    bool found = false;
+    unsigned found = 0;
+    enum hal_status status = HAL_ERROR_GONE;
+    linux_error_set(error, name, "no camera of that name", LINUX_CAMERA_MISSING);
     if (glob("/dev/video*", 0, NULL, &nodes) == 0) {
-        for (size_t i = 0; i < nodes.gl_pathc && !found; i++) {
+        for (size_t i = 0; i < nodes.gl_pathc; i++) {
             struct linux_camera_info info = {0};
             const int fd = open(nodes.gl_pathv[i], O_RDWR | O_NONBLOCK | O_CLOEXEC);
-            found = fd >= 0 && look_at(fd, &info) && strcmp(info.name, name) == 0;
+            if (fd >= 0 && look_at(fd, &info) && strcmp(info.name, name) == 0 && found++ == 0U) {
+                snprintf(path, size, "%s", nodes.gl_pathv[i]);
+            }
             if (fd >= 0) {
                 close(fd);
-            }
-            if (found) {
-                snprintf(path, size, "%s", nodes.gl_pathv[i]);
+            } else if (errno == EACCES && status != HAL_ERROR_DENIED) { // it may be that one
+                status = linux_error_denied(error, nodes.gl_pathv[i], nodes.gl_pathv[i]);
             }
         }
     }
     globfree(&nodes);
-    return found;
+    if (found > 1U) {
+        linux_error_set(error, name, "several cameras have that name",
+                        "write the path that `boresight probe` shows");
+        return HAL_ERROR_ARGUMENT;
+    }
+    return found == 1U ? HAL_OK : status;
 }

@@ -17,6 +17,7 @@
 
 /// Error frames that one call digests at most, so that a storm of them can't hold it up.
 #define ERROR_FRAMES_MAX 32
+#define LINK_REMEDY      "`ip -details link show` tells more"
 /// What is asked of the kernel to restart is not asked again sooner.
 #define RESTART_PAUSE_US 100000U
 
@@ -64,7 +65,7 @@ static enum hal_status failed(struct linux_can *can, int error_number, enum hal_
     case ENXIO:
         return set_gone(can);
     default:
-        return linux_error_from_errno(&can->error, can->name, error_number, NULL);
+        return linux_error_from_errno(&can->error, can->name, error_number, LINK_REMEDY);
     }
 }
 
@@ -297,7 +298,7 @@ static enum hal_status open_failed(struct linux_can *can) {
                         "sudo modprobe can_raw, or use a kernel that has it");
         return HAL_ERROR_UNSUPPORTED;
     }
-    return linux_error_from_errno(&can->error, can->name, errno, NULL);
+    return linux_error_from_errno(&can->error, can->name, errno, LINK_REMEDY);
 }
 
 static enum hal_status set_up_socket(struct linux_can *can) {

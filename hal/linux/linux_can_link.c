@@ -14,6 +14,7 @@
 
 /// A message of the kernel about a link is far shorter.
 #define MESSAGE_BYTES 32768
+#define LINK_REMEDY   "`ip -details link show` tells more"
 #define DENIED_REMEDY "run as root, or set restart-ms (sudo ip link set %s type can restart-ms 100)"
 
 // ---------------------------------------------------------------- reading
@@ -183,7 +184,7 @@ enum hal_status linux_can_link_find(const char *name, struct linux_can_link *lin
                                     struct linux_error *error) {
     struct search search = {.name = name, .found = link};
     if (!each_link(is_it, &search)) {
-        return linux_error_from_errno(error, name, errno, NULL);
+        return linux_error_from_errno(error, name, errno, LINK_REMEDY);
     }
     if (!search.there) {
         linux_error_set(error, name, "no such interface",
@@ -215,7 +216,7 @@ enum hal_status linux_can_list(struct linux_can_link *links, uint32_t capacity, 
     struct listing listing = {.links = links, .capacity = capacity};
     const bool good = each_link(enter, &listing);
     *count = listing.count;
-    return good ? HAL_OK : linux_error_from_errno(error, "network interfaces", errno, NULL);
+    return good ? HAL_OK : linux_error_from_errno(error, "network interfaces", errno, LINK_REMEDY);
 }
 
 void linux_can_link_explain_down(const struct linux_can_link *link, struct linux_error *error) {
@@ -242,7 +243,7 @@ static enum hal_status get_flags(int socket, const char *name, struct ifreq *req
         linux_error_set(error, name, "the interface has gone", "plug the adapter in again");
         return HAL_ERROR_GONE;
     }
-    return linux_error_from_errno(error, name, errno, NULL);
+    return linux_error_from_errno(error, name, errno, LINK_REMEDY);
 }
 
 enum hal_status linux_can_link_is_up(int socket, const char *name, struct linux_error *error) {
@@ -281,7 +282,7 @@ static enum hal_status bounce(int socket, const char *name, struct linux_error *
         }
     }
     return errno == EPERM ? explain_denied(name, error)
-                          : linux_error_from_errno(error, name, errno, NULL);
+                          : linux_error_from_errno(error, name, errno, LINK_REMEDY);
 }
 
 enum hal_status linux_can_link_restart(int socket, int index, const char *name, bool *bounced,
@@ -335,6 +336,6 @@ enum hal_status linux_can_link_restart(int socket, int index, const char *name, 
         linux_error_set(error, name, "the interface has gone", "plug the adapter in again");
         return HAL_ERROR_GONE;
     default:
-        return linux_error_from_errno(error, name, error_number, NULL);
+        return linux_error_from_errno(error, name, error_number, LINK_REMEDY);
     }
 }

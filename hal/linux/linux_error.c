@@ -14,18 +14,20 @@ void linux_error_set(struct linux_error *error, const char *device, const char *
                      const char *remedy) {
     const size_t size = strlen(device);
     const bool cut = size > DEVICE_BYTES;
-    snprintf(error->line, sizeof error->line, "%s%s: %s%s%s", cut ? "..." : "",
-             cut ? device + size - DEVICE_BYTES : device, reason, remedy == NULL ? "" : "; ",
-             remedy == NULL ? "" : remedy);
+    snprintf(error->line, sizeof error->line, "%s%s: %s; %s", cut ? "..." : "",
+             cut ? device + size - DEVICE_BYTES : device, reason, remedy);
 }
 
-/// No permission: the remedy depends on whom the file lets in.
-static void explain_denied(struct linux_error *error, const char *device) {
+/// The remedy depends on whom the file lets in.
+enum hal_status linux_error_denied(struct linux_error *error, const char *device,
+                                   const char *file) {
     char remedy[120] = "check the permissions of the file and its directory";
     struct stat about;
-    if (stat(device, &about) == 0) {
+    if (stat(file, &about) == 0) {
         const struct group *group = getgrgid(about.st_gid);
-        const bool group_may = (about.st_mode & (S_IRGRP | S_IWGRP)) == (S_IRGRP | S_IWGRP);
+        // Some files of the kernel's nobody reads.
+        const mode_t needed = S_IWGRP | ((about.st_mode & S_IRUSR) != 0U ? S_IRGRP : 0U);
+        const bool group_may = (about.st_mode & needed) == needed;
         if (group_may && about.st_gid != 0 && group != NULL) {
             snprintf(remedy, sizeof remedy,
                      "join group %.32s (sudo usermod -aG %.32s $USER) and log in again",
@@ -36,6 +38,7 @@ static void explain_denied(struct linux_error *error, const char *device) {
         }
     }
     linux_error_set(error, device, "no permission", remedy);
+    return HAL_ERROR_DENIED;
 }
 
 enum hal_status linux_error_from_errno(struct linux_error *error, const char *device,
@@ -51,15 +54,18 @@ enum hal_status linux_error_from_errno(struct linux_error *error, const char *de
         return HAL_ERROR_GONE;
     case EACCES:
     case EPERM:
-        explain_denied(error, device);
-        return HAL_ERROR_DENIED;
+        return linux_error_denied(error, device, device);
     case EBUSY:
     case EWOULDBLOCK:
         linux_error_set(error, device, "in use by another program",
                         "end that one first (`fuser -v` on the file shows it)");
         return HAL_ERROR_DENIED;
+    case EISDIR:
+    case ENOTTY:
+        linux_error_set(error, device, "not a device of that kind", missing_remedy);
+        return HAL_ERROR_UNSUPPORTED;
     default:
-        linux_error_set(error, device, strerror(error_number), NULL);
+        linux_error_set(error, device, strerror(error_number), "`sudo dmesg | tail` may tell more");
         return HAL_ERROR_IO;
     }
 }

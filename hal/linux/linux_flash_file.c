@@ -13,6 +13,10 @@
 #define MISSING_REMEDY "create its directory"
 
 static enum hal_status failed(struct linux_flash_file *flash, int error_number) {
+    if (error_number == EISDIR) {
+        linux_error_set(&flash->error, flash->path, "is a folder", "name a file in it");
+        return HAL_ERROR_UNSUPPORTED;
+    }
     return linux_error_from_errno(&flash->error, flash->path, error_number, MISSING_REMEDY);
 }
 
@@ -271,7 +275,7 @@ enum hal_status linux_flash_file_open(struct linux_flash_file *flash, const char
     if (size >= sizeof flash->path || !hal_flash_is_sound(geometry)) {
         linux_error_set(&flash->error, path,
                         size >= sizeof flash->path ? "the name is too long" : "impossible geometry",
-                        NULL);
+                        "name another file");
         return HAL_ERROR_ARGUMENT;
     }
     memcpy(flash->path, path, size + 1U);

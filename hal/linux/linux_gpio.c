@@ -4,11 +4,15 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #if HAVE_GPIOD != 0
+
+#define LIST_REMEDY "`boresight probe` lists the GPIO chips"
 
 // ---------------------------------------------------------------- operations
 
@@ -19,8 +23,7 @@ static enum hal_status failed(struct linux_gpio *gpio, uint32_t line) {
                         "was its adapter unplugged?");
         return HAL_ERROR_GONE;
     }
-    linux_error_set(&gpio->error, gpio->names[line], strerror(errno), NULL);
-    return HAL_ERROR_IO;
+    return linux_error_from_errno(&gpio->error, gpio->names[line], errno, LIST_REMEDY);
 }
 
 static enum hal_status linux_gpio_read(void *ctx, uint32_t line, bool *active) {
@@ -62,12 +65,35 @@ static enum hal_status explain_busy(struct linux_error *error, const struct linu
     return HAL_ERROR_DENIED;
 }
 
+/// The library says of much that there is no such file. A label can't be looked for on chips that
+/// this user may not open.
+static enum hal_status no_chip(struct linux_error *error, const struct linux_gpio_pin *pin,
+                               const char *path) {
+    int why = errno;
+    const int fd = open(path, O_RDWR | O_CLOEXEC);
+    if (fd >= 0) {
+        close(fd);
+        why = why == ENOENT ? ENOTTY : why;
+    } else {
+        why = errno;
+    }
+    struct linux_gpio_chip chips[16];
+    const uint32_t count = why == ENOENT && pin->chip[0] != '/' ? linux_gpio_list(chips, 16) : 0U;
+    for (uint32_t i = 0; i < count && i < 16U; i++) {
+        if (chips[i].error.line[0] != '\0') {
+            *error = chips[i].error;
+            return HAL_ERROR_DENIED;
+        }
+    }
+    return linux_error_from_errno(error, path, why, LIST_REMEDY);
+}
+
 static enum hal_status open_failed(struct linux_error *error, const struct linux_gpio_pin *pin,
                                    const char *name, enum linux_gpiod_step step) {
     char path[LINUX_GPIO_NAME_BYTES + 8];
     snprintf(path, sizeof path, "%s%.60s", pin->chip[0] == '/' ? "" : "/dev/", pin->chip);
     if (step == LINUX_GPIOD_CHIP) {
-        return linux_error_from_errno(error, path, errno, "`boresight probe` lists the GPIO chips");
+        return no_chip(error, pin, path);
     }
     if (step == LINUX_GPIOD_LINE || errno == EINVAL) {
         linux_error_set(error, name, "the chip has no such line",
@@ -82,7 +108,7 @@ static enum hal_status open_failed(struct linux_error *error, const struct linux
                         "leave it out of the rig file and use a resistor");
         return HAL_ERROR_UNSUPPORTED;
     }
-    return linux_error_from_errno(error, path, errno, NULL);
+    return linux_error_from_errno(error, path, errno, LIST_REMEDY);
 }
 
 enum hal_status linux_gpio_request(const struct linux_gpio_pin *pin,
@@ -103,7 +129,7 @@ enum hal_status linux_gpio_open(struct linux_gpio *gpio, const struct hal_gpio_l
     gpio->gone = true; // what can't be opened is gone for whoever goes on calling
     if (hal_gpio_bind(&gpio->hal, &ops, gpio) != HAL_OK || count == 0U ||
         count > LINUX_GPIO_LINES_MAX) {
-        linux_error_set(&gpio->error, "GPIO", "no lines, or too many", NULL);
+        linux_error_set(&gpio->error, "GPIO", "no lines, or too many", LIST_REMEDY);
         return HAL_ERROR_ARGUMENT;
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -144,12 +170,15 @@ uint32_t linux_gpio_list(struct linux_gpio_chip *chips, uint32_t capacity) {
         char path[300];
         struct linux_gpio_chip chip;
         snprintf(path, sizeof path, "/dev/%s", entries[i]->d_name);
-        if (linux_gpiod_describe(path, &chip)) {
-            if (count < capacity) {
-                chips[count] = chip;
-            }
-            count++;
+        memset(&chip, 0, sizeof chip);
+        if (!linux_gpiod_describe(path, &chip)) {
+            snprintf(chip.name, sizeof chip.name, "%.40s", entries[i]->d_name);
+            (void)linux_error_from_errno(&chip.error, path, errno, LIST_REMEDY);
         }
+        if (count < capacity) {
+            chips[count] = chip;
+        }
+        count++;
         free(entries[i]);
     }
     free(entries);

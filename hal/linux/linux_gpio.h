@@ -52,9 +52,10 @@ void linux_gpio_close(struct linux_gpio *gpio);
 struct linux_gpio_chip {
     char name[LINUX_GPIO_NAME_BYTES], label[LINUX_GPIO_NAME_BYTES];
     uint32_t line_count;
+    struct linux_error error; ///< why nothing more is known than the name; empty: all is
 };
 
-/// All chips that can be opened, up to capacity. Returns how many there are.
+/// All chips, up to capacity, also those that can't be opened. Returns how many there are.
 uint32_t linux_gpio_list(struct linux_gpio_chip *chips, uint32_t capacity);
 
 /// "libgpiod 1.6" or the like; null: built without it.

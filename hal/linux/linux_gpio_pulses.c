@@ -157,7 +157,8 @@ enum hal_status linux_gpio_pulses_prepare(struct linux_gpio_pulses *pulses, cons
     pthread_mutex_init(&pulses->jitter_lock, NULL);
     if (hal_pwm_bind(&pulses->hal, &ops, pulses) != HAL_OK || count == 0U ||
         count > LINUX_GPIO_PULSES_MAX) {
-        linux_error_set(&pulses->error, chip, "no lines, or too many", NULL);
+        linux_error_set(&pulses->error, chip, "no lines, or too many",
+                        "name one line for each servo");
         return HAL_ERROR_ARGUMENT;
     }
     const struct hal_gpio_line output = {.direction = HAL_GPIO_OUTPUT};
@@ -184,7 +185,8 @@ enum hal_status linux_gpio_pulses_open(struct linux_gpio_pulses *pulses, const c
         linux_gpio_pulses_prepare(pulses, chip, lines, count, linux_gpio_thread_now_ns);
     if (status == HAL_OK &&
         !linux_gpio_thread_start(&pulses->thread, linux_gpio_pulses_work, pulses)) {
-        linux_error_set(&pulses->error, chip, strerror(errno), NULL);
+        linux_error_set(&pulses->error, chip, strerror(errno),
+                        "no thread for its pulses: is the system short of memory?");
         linux_gpio_pulses_close(pulses);
         return HAL_ERROR_IO;
     }

@@ -130,7 +130,8 @@ enum hal_status linux_gpio_steps_prepare(struct linux_gpio_steps *steps, const c
     steps->seen_target = position;
     steps->seen_ns = now_ns();
     if (rate_max == 0U || rate_max > RATE_MAX) {
-        linux_error_set(&steps->error, chip, "1 to 100000 steps a second are possible", NULL);
+        linux_error_set(&steps->error, chip, "1 to 100000 steps a second are possible",
+                        "set speed_max_dps or steps_per_deg");
         return HAL_ERROR_ARGUMENT;
     }
     steps->pace_min_ns = UINT64_C(1000000000) / rate_max;
@@ -152,7 +153,8 @@ enum hal_status linux_gpio_steps_open(struct linux_gpio_steps *steps, const char
         steps, chip, step_line, direction_line, rate_max, position, linux_gpio_thread_now_ns);
     if (status == HAL_OK &&
         !linux_gpio_thread_start(&steps->thread, linux_gpio_steps_work, steps)) {
-        linux_error_set(&steps->error, chip, strerror(errno), NULL);
+        linux_error_set(&steps->error, chip, strerror(errno),
+                        "no thread for its steps: is the system short of memory?");
         linux_gpio_steps_close(steps);
         return HAL_ERROR_IO;
     }

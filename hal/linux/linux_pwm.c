@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #define PERIOD_NS     20000000U
@@ -35,6 +36,15 @@ static enum hal_status failed(struct linux_pwm *pwm, uint32_t channel) {
         pwm->gone = true;
         linux_error_set(&pwm->error, name, "the chip has gone", "was its driver unloaded?");
         return HAL_ERROR_GONE;
+    }
+    if (errno == EACCES || errno == EPERM) {
+        char path[300];
+        const int size =
+            snprintf(path, sizeof path, "%s/pwm%u/enable", pwm->folder, (unsigned)channel);
+        if (size > 0 && access(path, F_OK) != 0) {
+            snprintf(path, sizeof path, "%s/export", pwm->folder);
+        }
+        return linux_error_denied(&pwm->error, name, path);
     }
     return linux_error_from_errno(&pwm->error, name, errno, MISSING_REMEDY);
 }
@@ -270,9 +280,18 @@ static bool open_files(struct linux_pwm *pwm, uint32_t channel) {
         }
         usleep(10000);
     }
+    // The kernel lets several programs have one output: among those that ask, one is enough.
+    if (at->enable_fd >= 0 && flock(at->enable_fd, LOCK_EX | LOCK_NB) != 0) {
+        close(at->enable_fd);
+        at->enable_fd = -1;
+        errno = EBUSY;
+    }
+    if (at->enable_fd < 0) {
+        return false;
+    }
     at->period_fd = open_file(pwm, channel, "period");
     at->duty_fd = open_file(pwm, channel, "duty_cycle");
-    return at->enable_fd >= 0 && at->period_fd >= 0 && at->duty_fd >= 0;
+    return at->period_fd >= 0 && at->duty_fd >= 0;
 }
 
 /// Silent, and then 20 ms: a period must never be shorter than the pulse that is set.

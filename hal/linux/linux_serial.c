@@ -134,6 +134,11 @@ static enum hal_status open_failed(struct linux_serial *serial, int error_number
                         "name a device like /dev/ttyACM0");
         return HAL_ERROR_UNSUPPORTED;
     }
+    if (error_number == EIO) {
+        linux_error_set(&serial->error, serial->path, "no port is behind that name",
+                        MISSING_REMEDY);
+        return HAL_ERROR_IO;
+    }
     return linux_error_from_errno(&serial->error, serial->path, error_number, MISSING_REMEDY);
 }
 
@@ -190,7 +195,8 @@ enum hal_status linux_serial_open(struct linux_serial *serial, const char *path,
     const size_t size = strlen(path);
     speed_t speed = B0;
     if (size >= sizeof serial->path) {
-        linux_error_set(&serial->error, path, "the name is too long", NULL);
+        linux_error_set(&serial->error, path, "the name is too long",
+                        "name a device like /dev/ttyACM0");
         return HAL_ERROR_ARGUMENT;
     }
     memcpy(serial->path, path, size + 1U);

@@ -1,15 +1,18 @@
 #include "linux/linux_usb.h"
+#include "linux/linux_usb_private.h"
 
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/time.h>
 
 #if HAVE_LIBUSB
 
 #include <libusb-1.0/libusb.h>
 
+#define OTHER_REMEDY "unplug it and plug it in again; `sudo dmesg | tail` may tell more"
 /// How often close looks whether what it cancelled has ended; each time it waits 10 ms at most.
 #define CLOSE_TRIES 100
 
@@ -40,7 +43,8 @@ static enum hal_status failed(struct linux_usb *usb, int code) {
     case LIBUSB_ERROR_NOT_FOUND:
         return HAL_ERROR_ARGUMENT;
     default:
-        linux_error_set(&usb->error, usb->name, libusb_strerror((enum libusb_error)code), NULL);
+        linux_error_set(&usb->error, usb->name, libusb_strerror((enum libusb_error)code),
+                        OTHER_REMEDY);
         return HAL_ERROR_IO;
     }
 }
@@ -250,16 +254,16 @@ static bool is_wanted(const struct linux_usb_wanted *wanted,
     return found;
 }
 
-static void read_identity(struct libusb_device_handle *device,
-                          const struct libusb_device_descriptor *about,
-                          struct hal_usb_identity *identity) {
-    *identity = (struct hal_usb_identity){
-        .vendor = about->idVendor, .product = about->idProduct, .release_bcd = about->bcdDevice};
-    if (device != NULL && about->iSerialNumber != 0 &&
-        libusb_get_string_descriptor_ascii(device, about->iSerialNumber,
-                                           (unsigned char *)identity->serial_number,
-                                           (int)sizeof identity->serial_number) < 0) {
-        identity->serial_number[0] = '\0';
+/// As lines for people name it: by its serial number where one was asked for.
+static void name_device(struct linux_usb *usb, const struct linux_usb_wanted *wanted,
+                        const struct libusb_device_descriptor *about) {
+    const char *serial = wanted->serial_number;
+    if (serial != NULL || about == NULL) {
+        snprintf(usb->name, sizeof usb->name, "%.24s%s%.36s", wanted->what,
+                 serial != NULL ? " " : "", serial != NULL ? serial : "");
+    } else {
+        snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, about->idVendor,
+                 about->idProduct);
     }
 }
 
@@ -274,13 +278,12 @@ static int open_device(struct linux_usb *usb, const struct linux_usb_wanted *wan
         if (libusb_get_device_descriptor(list[i], &about) != 0 || !is_wanted(wanted, &about)) {
             continue;
         }
-        snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, about.idVendor,
-                 about.idProduct);
+        name_device(usb, wanted, &about);
         result = libusb_open(list[i], &device);
         if (result != 0) {
             continue;
         }
-        read_identity(device, &about, &usb->identity);
+        linux_usb_read_identity(device, &about, &usb->identity);
         if (wanted->serial_number != NULL &&
             strcmp(usb->identity.serial_number, wanted->serial_number) != 0) {
             libusb_close(device);
@@ -341,7 +344,8 @@ static enum hal_status open_failed(struct linux_usb *usb, int code) {
         linux_error_set(&usb->error, usb->name, "in use by another program", "end that one first");
         return HAL_ERROR_DENIED;
     default:
-        linux_error_set(&usb->error, usb->name, libusb_strerror((enum libusb_error)code), NULL);
+        linux_error_set(&usb->error, usb->name, libusb_strerror((enum libusb_error)code),
+                        OTHER_REMEDY);
         return HAL_ERROR_IO;
     }
 }
@@ -361,8 +365,7 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
     memset(usb, 0, sizeof *usb);
     usb->gone = true;
     usb->claimed = usb->fd = -1;
-    snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, wanted->ids[0].vendor,
-             wanted->ids[0].product);
+    name_device(usb, wanted, NULL);
     libusb_context *context = NULL;
     int code =
         hal_usb_bind(&usb->hal, &ops, usb) == HAL_OK ? libusb_init(&context) : LIBUSB_ERROR_OTHER;
@@ -376,6 +379,12 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
         usb->claimed = code == 0 ? wanted->interface : -1;
         find_endpoints(usb);
     }
+    // Requests to the whole device need no claim, so another program could send them as well:
+    // among those that ask, one is enough.
+    usb->fd = code == 0 ? find_file(usb) : -1;
+    if (usb->fd >= 0 && flock(usb->fd, LOCK_EX | LOCK_NB) != 0) {
+        code = LIBUSB_ERROR_BUSY;
+    }
     if (code == 0 && !allocate(usb)) {
         code = LIBUSB_ERROR_NO_MEM;
     }
@@ -384,7 +393,6 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
         linux_usb_close(usb);
         return status;
     }
-    usb->fd = find_file(usb);
     usb->gone = false;
     return HAL_OK;
 }
@@ -431,46 +439,6 @@ void linux_usb_close(struct linux_usb *usb) {
     usb->fd = -1;
 }
 
-// ---------------------------------------------------------------- what is there
-
-unsigned linux_usb_list(uint16_t vendor, struct hal_usb_identity *identities, unsigned capacity) {
-    libusb_context *context = NULL;
-    libusb_device **list = NULL;
-    unsigned found = 0;
-    if (libusb_init(&context) != 0) {
-        return 0;
-    }
-    const ssize_t count = libusb_get_device_list(context, &list);
-    for (ssize_t i = 0; i < count; i++) {
-        struct libusb_device_descriptor about;
-        if (libusb_get_device_descriptor(list[i], &about) != 0 ||
-            (vendor != 0U && about.idVendor != vendor)) {
-            continue;
-        }
-        if (found < capacity) {
-            struct libusb_device_handle *device = NULL;
-            (void)libusb_open(list[i], &device);
-            read_identity(device, &about, &identities[found]);
-            if (device != NULL) {
-                libusb_close(device);
-            }
-        }
-        found++;
-    }
-    if (list != NULL) {
-        libusb_free_device_list(list, 1);
-    }
-    libusb_exit(context);
-    return found;
-}
-
-const char *linux_usb_library(void) {
-    static char text[32];
-    const struct libusb_version *version = libusb_get_version();
-    snprintf(text, sizeof text, "libusb %u.%u.%u", version->major, version->minor, version->micro);
-    return text;
-}
-
 #else
 
 enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wanted *wanted) {
@@ -482,17 +450,6 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
 
 void linux_usb_close(struct linux_usb *usb) {
     usb->gone = true;
-}
-
-unsigned linux_usb_list(uint16_t vendor, struct hal_usb_identity *identities, unsigned capacity) {
-    (void)vendor;
-    (void)identities;
-    (void)capacity;
-    return 0;
-}
-
-const char *linux_usb_library(void) {
-    return NULL;
 }
 
 #endif

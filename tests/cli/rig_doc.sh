@@ -62,13 +62,13 @@ symptoms docs/rig.md >"$dir/s"
 none 'every symptom is a message of the program' "$dir/s"
 
 # Planted.
-sed 's/boresight calibrate rig.ini --dry-run/boresight calibrate rig.ini --dry/; s/`boresight probe`/`boresight prode`/; s/speed_max_dps = 10/sped_max_dps = 10/
+sed 's/boresight calibrate rig.ini --dry-run/boresight calibrate rig.ini --dry/; s/`boresight probe`/`boresight prode`/; s/tick_us = 4000/tik_us = 4000/
     s/can0: the interface is down/can0: the interface sleeps/' docs/rig.md >"$dir/wrong.md"
 commands "$dir/wrong.md" >"$dir/c"
 found 'a wrong command is caught' 'no command: prode' "$dir/c"
 found 'a wrong option is caught' 'no option of calibrate: --dry' "$dir/c"
 keys "$dir/wrong.md" >"$dir/k"
-found 'a wrong key is caught' 'no key: sped_max_dps' "$dir/k"
+found 'a wrong key is caught' 'no key: tik_us' "$dir/k"
 symptoms "$dir/wrong.md" >"$dir/s"
 found 'a symptom that nobody says is caught' 'nobody says: the interface sleeps' "$dir/s"
 finish

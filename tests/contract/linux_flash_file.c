@@ -182,7 +182,7 @@ static void refusals(void) {
                    "make a new one");
     expect_refusal("build/no/such/settings", HAL_ERROR_GONE,
                    "no such file or device; create its directory");
-    expect_refusal("build", HAL_ERROR_UNSUPPORTED, "Is a directory");
+    expect_refusal("build", HAL_ERROR_UNSUPPORTED, "is a folder; name a file in it");
     expect_refusal("/dev/null", HAL_ERROR_UNSUPPORTED, "not a regular file; name another file");
     const struct hal_flash_geometry good = geometry;
     const struct hal_flash_geometry bad[] = {{0, 256, 4},       {2, 0, 4},          {2, 256, 0},
@@ -190,7 +190,7 @@ static void refusals(void) {
                                              {65536, 65536, 4}, {0x80000000U, 2, 1}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         geometry = bad[i];
-        expect_refusal(path, HAL_ERROR_ARGUMENT, "impossible geometry");
+        expect_refusal(path, HAL_ERROR_ARGUMENT, "impossible geometry; name another file");
     }
     geometry = good;
     char name[LINUX_FLASH_FILE_PATH_BYTES + 1];

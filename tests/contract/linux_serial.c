@@ -178,7 +178,8 @@ static void missing_and_wrong_devices(void) {
     memset(name, 'x', sizeof name);
     name[0] = '/';
     name[LINUX_SERIAL_PATH_BYTES] = '\0';
-    snprintf(line, sizeof line, "...%s: the name is too long", name + sizeof name - 121U);
+    snprintf(line, sizeof line, "...%s: the name is too long; name a device like /dev/ttyACM0",
+             name + sizeof name - 121U);
     expect_refusal(name, HAL_ERROR_ARGUMENT, line);
     name[LINUX_SERIAL_PATH_BYTES - 1] = '\0'; // fits, but isn't there
     snprintf(line, sizeof line, "...%s: %s", name + sizeof name - 122U,

@@ -47,7 +47,8 @@ refuses 'an emergency stop' 4 libgpiod run "$dir/rig.ini"
 rig 's/^detect.*/detect = tags/' camera
 refuses 'detect = tags' 2 libapriltag config check "$dir/rig.ini"
 "$program" probe >/dev/null 2>"$dir/err"
-grep -q 'GPIO chips are not looked for: built without libgpiod' "$dir/err" && grep -q 'USB is not looked at: built without libusb' "$dir/err"
+grep -q 'GPIO chips are not looked for: built without libgpiod; install libgpiod-dev and build it again$' "$dir/err" &&
+    grep -q 'USB is not looked at: built without libusb; install libusb-1.0-0-dev and build it again$' "$dir/err"
 verdict 'probe says what it does not look for' $?
 
 $tests/contract/linux_luma >"$dir/log" && grep -q '^SKIP linux_luma.jpeg: built without libjpeg-turbo$' "$dir/log" &&

@@ -453,7 +453,8 @@ int main(void) {
     pauses_watch(INTERVAL_US / 4U);
     camera.fd = -1;
     char path[LINUX_CAMERA_PATH_BYTES];
-    if (linux_camera_find(VIVID_NAME, path, sizeof path)) {
+    struct linux_error error;
+    if (linux_camera_find(VIVID_NAME, path, sizeof path, &error) == HAL_OK) {
         suite("vivid_grey", HAL_CAMERA_GREY, false);
         suite("vivid_yuyv", HAL_CAMERA_YUYV, false);
         linux_camera_close(&camera);

@@ -226,7 +226,7 @@ static void unplugged_and_back(void) {
         CHECK(tries > 0);
         CHECK_EQ(hal_can_send(&a.hal, &frame), HAL_ERROR_GONE);
         CHECK_EQ(hal_can_restart(&a.hal), HAL_ERROR_GONE);
-        expect_line("CAN adapter 1d50:606f: the adapter has left; plug it in again");
+        expect_line("CAN adapter 0001: the adapter has left; plug it in again");
         linux_gs_usb_close(&a);
         CHECK_EQ(linux_gs_usb_open(&a, serials[0], 0, 1000000, &clock_.hal), HAL_ERROR_GONE);
         CHECK_EQ(hal_can_send(&a.hal, &frame), HAL_ERROR_GONE);
@@ -246,15 +246,14 @@ static void refusals_say_what_to_do(void) {
     reset(NULL);
     linux_gs_usb_close(&a);
     CHECK_EQ(linux_gs_usb_open(&a, "9999", 0, 1000000, &clock_.hal), HAL_ERROR_GONE);
-    expect_line("CAN adapter 1d50:606f: no such USB device; is it plugged in? `boresight probe` "
+    expect_line("CAN adapter 9999: no such USB device; is it plugged in? `boresight probe` "
                 "lists what is there");
     CHECK_EQ(linux_gs_usb_open(&a, serials[0], 0, 999, &clock_.hal), HAL_ERROR_UNSUPPORTED);
-    expect_line("CAN adapter 1d50:606f: can't do 999 bit/s; 1000000, 500000 and 250000 are usual");
+    expect_line("CAN adapter 0001: can't do 999 bit/s; 1000000, 500000 and 250000 are usual");
     CHECK_EQ(linux_gs_usb_open(&a, serials[0], 1, 1000000, &clock_.hal), HAL_ERROR_ARGUMENT);
-    expect_line(
-        "CAN adapter 1d50:606f: no channel 1, it has 1; choose another one in the rig file");
+    expect_line("CAN adapter 0001: no channel 1, it has 1; choose another one in the rig file");
     CHECK_EQ(linux_gs_usb_open(&a, serials[1], 0, 1000000, &clock_.hal), HAL_ERROR_DENIED);
-    expect_line("CAN adapter 1d50:606f: in use by another program; end that one first");
+    expect_line("CAN adapter 0002: in use by another program; end that one first");
     open_end(&a, 0); // none of this has left anything behind
 }
 

@@ -72,13 +72,14 @@ static void refusals_say_what_to_do(void) {
     const struct linux_usb_id absent = {0x1FFB, 0x0001};
     struct linux_usb_wanted strange = wanted;
     CHECK_EQ(linux_usb_open(&other, &wanted), HAL_ERROR_DENIED);
-    CHECK(strcmp(other.error.line,
-                 "Maestro 1ffb:0089: in use by another program; end that one first") == 0);
+    CHECK(strcmp(other.error.line, "Maestro " MAESTRO_MODEL_SERIAL
+                                   ": in use by another program; end that one first") == 0);
     linux_usb_close(&other);
     strange.ids = &absent;
     CHECK_EQ(linux_usb_open(&other, &strange), HAL_ERROR_GONE);
-    CHECK(strcmp(other.error.line, "Maestro 1ffb:0001: no such USB device; is it plugged in? "
-                                   "`boresight probe` lists what is there") == 0);
+    CHECK(strcmp(other.error.line,
+                 "Maestro " MAESTRO_MODEL_SERIAL ": no such USB device; is it plugged in? "
+                 "`boresight probe` lists what is there") == 0);
     linux_usb_close(&other);
     strange = wanted;
     strange.serial_number = "00027182";

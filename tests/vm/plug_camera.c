@@ -160,7 +160,7 @@ int main(int argc, char **argv) {
     stage->camera.paint = paint;
     stage->camera.ctx = stage;
     read_wish(stage, argv[2]);
-    uvc_camera_plug(&port, 1, &stage->camera);
+    uvc_camera_plug(&port, 3, &stage->camera);
     while (ended == 0) {
         read_wish(stage, argv[2]);
         write_state(stage, argv[1]);

@@ -32,7 +32,7 @@ int main(int argc, char **argv) {
     struct usb_port port;
     memset(model, 0, sizeof *model);
     signal(SIGTERM, end);
-    usb_port_plug(&port, 0, &plugged);
+    usb_port_plug(&port, 2, &plugged);
     while (ended == 0) {
         FILE *file = fopen(argv[1], "w");
         for (int i = 0; file != NULL && i < 6; i++) {

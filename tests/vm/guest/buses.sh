@@ -76,7 +76,7 @@ ip link del vcan1
 rig gs_usb:0001 gs_usb:0001 >"$work/rig.ini"
 start
 wait $runner
-[ $? -eq 4 ] && says 'CAN adapter 1d50:606f: no such USB device; is it plugged in? '
+[ $? -eq 4 ] && says 'CAN adapter 0001: no such USB device; is it plugged in? '
 verdict buses.no_adapter_is_status_4 $? "$work/run.err"
 "$VM_TESTS/gcc/tests/vm/plug_candles" &
 candles=$!
@@ -103,7 +103,7 @@ arm_until 'run: tracking' 1
 verdict buses.survives_bus_off $? "$work/run.err"
 before=$(grep -c 'run: tracking' "$work/run.err")
 kill -USR1 $candles
-until_true 60 says 'CAN adapter 1d50:606f: the \(device\|adapter\) has left; plug it in again'
+until_true 60 says 'CAN adapter 0001: the \(device\|adapter\) has left; plug it in again'
 verdict buses.tells_that_the_adapter_has_left $? "$work/run.err"
 kill -USR1 $candles
 until_true 60 says 'all devices are there again' && arm_until 'run: tracking' $((before + 1))

@@ -41,7 +41,7 @@ pull 1 pull-down # the emergency stop is closed
 pull 3 pull-up
 start --arm
 wait $runner
-[ $? -eq 4 ] && says 'Maestro 1ffb:0089: no such USB device; '
+[ $? -eq 4 ] && says 'Maestro: no such USB device; '
 verdict rig.no_maestro_is_status_4 $? "$work/run.err"
 is 2 0
 verdict rig.nothing_is_enabled_without_it $?
