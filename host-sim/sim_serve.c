@@ -20,10 +20,14 @@ static void bridge(const struct hal_can *from, const struct hal_can *to, uint64_
 void sim_serve_step(struct sim *sim, const struct hal_can *outside) {
     struct sim_served *served = &sim->served;
     served->on = true;
+    sim_feed_targets(sim);
     bridge(outside, &sim->node.hal, &served->frames_in, &served->frames_lost);
     sim->time_us += sim->config.controller->tick_us;
     sim->tick++;
     sim_run_plant(sim, sim->time_us * 1000U);
     sim_check_served(sim);
+    if (sim->time_us % 10000U == 0U) {
+        sim_measure_follow(sim);
+    }
     bridge(&sim->node.hal, outside, &served->frames_out, &served->frames_lost);
 }

@@ -21,6 +21,7 @@ mkdir -p "$out"
 sh tests/vm/initramfs.sh "$kernel" "$out/initramfs.cpio" || { echo "FAIL vm.initramfs"; exit 1; }
 
 share() { echo "-fsdev local,id=$1,path=$2,security_model=none,readonly=on,multidevs=remap -device virtio-9p-pci,fsdev=$1,mount_tag=$1"; }
+# Two USB serial adapters, each at the other's end of a cable (a socket of this machine's with itself).
 # Two CAN cards on one bus and one alone. no_timer_check: on a busy host the kernel sees no tick in time at its boot, and panics.
 # The results come over the second serial port, apart from what the kernel says.
 # shellcheck disable=SC2046
@@ -31,6 +32,8 @@ timeout -k 5 "${VM_TIMEOUT:-400}" qemu-system-x86_64 -machine q35 -accel "${VM_A
     -append "console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check nokaslr mitigations=off vm.groups=$(echo "$groups" | tr ' ' ',')" \
     $(share host /) $(share repository "$PWD") $(share kernel "$kernel") \
     -device isa-debug-exit,iobase=0xf4,iosize=0x1 \
+    -chardev "socket,id=tty0,path=$out/cable,server=on,wait=off" -chardev "socket,id=tty1,path=$out/cable" -device qemu-xhci \
+    -device usb-serial,chardev=tty0,always-plugged=on -device usb-serial,chardev=tty1,always-plugged=on \
     -object can-bus,id=bus0 -device kvaser_pci,canbus=bus0 -device kvaser_pci,canbus=bus0 \
     -object can-bus,id=bus1 -device kvaser_pci,canbus=bus1 2>"$out/qemu.log"
 status=$?
