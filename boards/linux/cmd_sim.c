@@ -2,6 +2,7 @@
 #include "capacity.h"
 #include "command.h"
 #include "emulator.h"
+#include "event_loop.h"
 #include "facts.h"
 #include "make_folder.h"
 #include "replay.h"
@@ -74,7 +75,8 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, mcu.faults), NULL},
     {"--mcu-console", "FILE", "write what the board says on its serial line; - is stderr",
      option_text, offsetof(struct settings, mcu.console), NULL},
-    {"--mcu-serial", "LINK", "make LINK a terminal at the board's serial line; with --speed 1",
+    {"--mcu-serial", "LINK",
+     "make LINK a terminal at the board's serial line, or use that port; with --speed 1",
      option_text, offsetof(struct settings, mcu.serial), NULL},
     {"--serve", "can:NAME",
      "put the scenario's drives on a CAN interface, for a controller elsewhere", option_text,
@@ -364,6 +366,7 @@ static enum exit_status serve(const struct command *command, const struct settin
         message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
+    event_loop_block_signals(); // a camera has a thread
     enum exit_status status = scenario_read(file, scenario);
     if (status == EXIT_STATUS_OK) {
         scenario->sim.seed = settings->has_seed ? settings->seed : scenario->sim.seed;
