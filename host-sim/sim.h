@@ -165,7 +165,9 @@ struct sim_view {
 struct sim_served {
     bool on;
     uint64_t frames_in, frames_out;
-    uint64_t frames_lost; ///< one of the two buses took no more
+    uint64_t frames_lost; ///< one of the two buses refused them
+    bool has_next;        ///< came in and waits for the simulated bus
+    struct can_frame next;
 };
 
 #define SIM_PWM_CHANNELS 64U
