@@ -42,7 +42,7 @@ fi
 # Two CAN cards on one bus and one alone. no_timer_check: on a busy host the kernel sees no tick in time at its boot, and panics.
 # The results come over the second serial port, apart from what the kernel says.
 # shellcheck disable=SC2046,SC2086
-timeout -k 5 "${VM_TIMEOUT:-400}" qemu-system-x86_64 -machine q35 -accel "${VM_ACCEL:-tcg}" -cpu max -smp 2 -m 768 \
+timeout -k 5 "${VM_TIMEOUT:-900}" qemu-system-x86_64 -machine q35 -accel "${VM_ACCEL:-tcg}" -cpu max -smp 2 -m 768 \
     -nodefaults -no-user-config -display none -no-reboot -rtc base=utc -monitor none \
     -serial "file:$out/console.log" -serial "file:$out/results.log" \
     -kernel "$kernel/vmlinux" -initrd "$out/initramfs.cpio" \

@@ -24,6 +24,8 @@ need-vm: | need-check
 vm_logs := $(vm_groups:%=$(B)/check/vm/%.log)
 $(vm_logs): $(B)/check/vm/%.log: $(vm_programs) $(B)/boresight FORCE
 	@tests/run.sh $@ sh tests/vm/run.sh $*
+# Without compiler or emulator of the board that group says so.
+$(B)/check/vm/board.log: $(if $(and $(unicorn),$(shell command -v arm-none-eabi-gcc)),$(B)/boresight-mcu $(B)/boards/stm32f405/boresight.elf)
 check-vm: need-vm ## Run the tests of hardware on a real kernel in a virtual machine
 	@$(MAKE) --no-print-directory check-vm-run
 check-vm-run: $(vm_programs) $(B)/boresight
