@@ -61,6 +61,44 @@ static void settings_that_are_not_valid(void) {
     REFUSED(axis[AXIS_ZOOM].drive.pwm.low_pulse_ns = 0);
 }
 
+/// The most that is valid, and one unit more.
+static void settings_at_a_bound(void) {
+    rig_configure();
+    static const struct vec3_i64 corner = {TARGET_POSITION_UM_MAX, TARGET_POSITION_UM_MAX,
+                                           TARGET_POSITION_UM_MAX};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const struct vec3_i64 at = {sign * corner.x, sign * corner.y, sign * corner.z};
+        rig.config.position_um = at;
+        CHECK(controller_init(&rig.controller, &rig.config));
+        REFUSED(position_um = ((struct vec3_i64){at.x + sign, at.y, at.z}));
+        REFUSED(position_um = ((struct vec3_i64){at.x, at.y + sign, at.z}));
+        REFUSED(position_um = ((struct vec3_i64){at.x, at.y, at.z + sign}));
+    }
+    const uint32_t most_um = UINT32_C(1) << 20, aspect = RECTANGLE_ASPECT_MAX;
+    const struct {
+        uint32_t width_um, height_um;
+        bool valid;
+    } pictures[] = {
+        {most_um, most_um, true},
+        {most_um + 1U, most_um, false},
+        {most_um, most_um + 1U, false},
+        {1000U * aspect, 1000, true},
+        {1000, 1000U * aspect, true},
+        {1000U * aspect + 1U, 1000, false},
+        {0, 1000, false},
+        {1000, 1000U * aspect + 1U, false},
+        {1000, 0, false},
+    };
+    for (unsigned i = 0; i < sizeof pictures / sizeof *pictures; i++) {
+        rig.config.frame = CONTROLLER_FRAME_RECT;
+        rig.config.axis[AXIS_ZOOM].drive.kind = DRIVE_NONE; // whose lens has bounds of its own
+        rig.config.lens.sensor_width_um = pictures[i].width_um;
+        rig.config.lens.sensor_height_um = pictures[i].height_um;
+        CHECK_EQ(controller_init(&rig.controller, &rig.config), pictures[i].valid);
+    }
+    rig_configure();
+}
+
 static void limits_that_are_not_valid(void) {
     rig_configure();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
@@ -368,6 +406,7 @@ static void a_measurement_has_the_time_of_its_arrival(void) {
 
 int main(void) {
     TEST(settings_that_are_not_valid);
+    TEST(settings_at_a_bound);
     TEST(limits_that_are_not_valid);
     TEST(drives_that_collide);
     TEST(settings_at_the_ends_of_their_ranges);
