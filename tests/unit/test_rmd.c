@@ -73,6 +73,10 @@ static void bits_of_an_impedance_set_point(void) {
         CHECK_EQ(rmd_encode_impedance(1, &s, &f), RMD_OK);
         CHECK_FRAME(f, wanted);
     }
+    const struct rmd_impedance all = {0xFFFF, 0xFFF, 0xFFF, 0xFFF, 0xFFF};
+    struct can_frame f;
+    CHECK_EQ(rmd_encode_impedance(32, &all, &f), RMD_OK);
+    CHECK_FRAME(f, FRAME(0x420, 255, 255, 255, 255, 255, 255, 255, 255));
 }
 
 static void requests_without_values(void) {
