@@ -322,6 +322,38 @@ static void the_aim_waits_for_a_frame(void) {
     CHECK_EQ(rig.output.status.aims_solved, solved + 3U);
 }
 
+/// 20 targets go round at 30 degrees a second, and each is reported 50 times a second, one in a
+/// tick: the picture goes with them. Where they are in it is off by what a report is old. Its
+/// search never ends: pan and tilt wait for that and then follow it as it is, again and again.
+/// (Every goal is a jump, so none coasts.)
+static void the_picture_goes_with_targets_in_turn(void) {
+    rig_configure();
+    rig.config.frame = CONTROLLER_FRAME_RECT;
+    rig.config.tracker.jump_q48 = 0;
+    rig_start(0, 0x55);
+    rig_target(0, 0, 0);
+    rig_arm();
+    int64_t goal = 0;
+    uint32_t since = 0;
+    for (int tick = 0; tick < 3000 && check_clean(); tick++) {
+        const int id = tick % 20;
+        rig_target((uint32_t)id, 3 * tick + id % 5 * 250, id / 5 * 100);
+        rig_tick();
+        const struct framing *framing = &rig.output.status.framing;
+        if (tick > 300) {
+            CHECK_NEAR(framing->pan_bam32.bam, BAM_OF(3 * tick + 500).bam, BAM_OF(100).bam);
+            CHECK_NEAR(framing->half_width_bam32.bam, BAM_OF(550).bam, BAM_OF(100).bam);
+            CHECK(framing->refining);
+        }
+        const int64_t pan = rig.output.status.axis[AXIS_PAN].goal_q48;
+        if (tick > 300) {
+            CHECK_EQ(pan != goal, since == CONTROLLER_REFINING_TICKS_MAX);
+        }
+        since = pan == goal ? since + 1U : 0U;
+        goal = pan;
+    }
+}
+
 /// Random bytes in every field of the input, also from the drives' own ids.
 static void random_inputs(void) {
     uint64_t seed = UINT64_C(0xF022);
@@ -417,6 +449,7 @@ int main(void) {
     TEST(inputs_beyond_the_maxima_are_cut_off);
     TEST(the_set_is_full);
     TEST(the_aim_waits_for_a_frame);
+    TEST(the_picture_goes_with_targets_in_turn);
     TEST(random_inputs);
     TEST(modes_and_faults_have_names);
     TEST(a_measurement_has_the_time_of_its_arrival);

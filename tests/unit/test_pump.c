@@ -108,6 +108,7 @@ static struct hal_clock hal_clock_device;
 static struct hal_can hal_can_device;
 static struct hal_pwm hal_pwm_device;
 static struct pump_devices devices;
+static uint8_t memory_before = 0xBB;
 
 static void configure_axis(unsigned axis, enum drive_kind kind) {
     config.axis[axis].limits =
@@ -144,7 +145,7 @@ static bool start(void) {
     CHECK_EQ(hal_pwm_bind(&hal_pwm_device, &pwm_ops, NULL), HAL_OK);
     devices = (struct pump_devices){&hal_clock_device, &hal_can_device, &hal_pwm_device};
     for (size_t i = 0; i < sizeof pump; i++) {
-        ((uint8_t *)&pump)[i] = 0xBB;
+        ((uint8_t *)&pump)[i] = memory_before;
     }
     CHECK(controller_init(&controller, &config));
     return pump_init(&pump, &controller, &devices);
@@ -342,7 +343,9 @@ static void a_bus_that_is_off_is_restarted(void) {
 
 static void pulses_are_written_when_they_change(void) {
     configure(DRIVE_PWM, DRIVE_PWM);
+    memory_before = 0x00;
     CHECK(start());
+    memory_before = 0xBB;
     step();
     CHECK_EQ(world.pulses, 2); // none, on both channels: who knows what they gave before
     CHECK_EQ(world.pulse_ns, 0);
