@@ -122,7 +122,7 @@ static void begin_walk(struct rectangle_walk *walk, struct rectangle_place place
 
 /// Does a walk follow caps that move? It has the time of one step or two, and need not be exact.
 static bool is_rough(const struct run *run, const struct rectangle_walk *walk) {
-    return run->input->moved && walk == &run->search->track;
+    return run->input->moved && run->input->work_limit != 0U && walk == &run->search->track;
 }
 
 /// How far the best tilt may be off after a step: some times as far.

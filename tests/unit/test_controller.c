@@ -349,22 +349,6 @@ static void move_the_target(int count) {
     }
 }
 
-/// It moves, goes away and is back at once: the goal is where it is, and how it moved is forgotten.
-static void a_target_that_was_away_is_a_new_one(void) {
-    rig_init();
-    rig_arm();
-    move_the_target(10);
-    rig_gone(1);
-    rig_tick();
-    rig_target(1, 650, 50);
-    rig_tick();
-    for (int i = 0; i < 60 && check_clean(); i++) {
-        CHECK_NEAR(rig.output.status.axis[AXIS_PAN].goal_q48, 650 * CENTIDEGREE, DEGREE / 100000);
-        CHECK_NEAR(rig.output.status.axis[AXIS_TILT].goal_q48, 50 * CENTIDEGREE, DEGREE / 100000);
-        rig_tick();
-    }
-}
-
 /// It stops, and the reports that say so are all alike.
 static void a_target_that_stops_is_aimed_at(void) {
     rig_configure();
@@ -502,7 +486,6 @@ int main(void) {
     TEST(starts_outside_the_limits_and_comes_in);
     TEST(a_moving_target_is_followed_without_lag);
     TEST(a_late_axis_comes_to_rest_on_the_target);
-    TEST(a_target_that_was_away_is_a_new_one);
     TEST(a_target_that_stops_is_aimed_at);
     TEST(a_silent_target_is_where_it_was_last_seen);
     TEST(a_resting_target_does_not_disturb_a_moving_one);

@@ -354,6 +354,25 @@ static void the_picture_goes_with_targets_in_turn(void) {
     }
 }
 
+/// It moves, goes away and is back at once: the goal is where it is, and how it moved is forgotten.
+static void a_target_that_was_away_is_a_new_one(void) {
+    rig_init();
+    rig_arm();
+    for (int i = 0; i <= 10; i++) { // 30 degrees a second
+        rig_target(1, i * 60, 0);
+        rig_ticks(20);
+    }
+    rig_gone(1);
+    rig_tick();
+    rig_target(1, 650, 50);
+    rig_tick();
+    for (int i = 0; i < 60 && check_clean(); i++) {
+        CHECK_NEAR(rig.output.status.axis[AXIS_PAN].goal_q48, 650 * CENTIDEGREE, DEGREE / 100000);
+        CHECK_NEAR(rig.output.status.axis[AXIS_TILT].goal_q48, 50 * CENTIDEGREE, DEGREE / 100000);
+        rig_tick();
+    }
+}
+
 /// Random bytes in every field of the input, also from the drives' own ids.
 static void random_inputs(void) {
     uint64_t seed = UINT64_C(0xF022);
@@ -450,6 +469,7 @@ int main(void) {
     TEST(the_set_is_full);
     TEST(the_aim_waits_for_a_frame);
     TEST(the_picture_goes_with_targets_in_turn);
+    TEST(a_target_that_was_away_is_a_new_one);
     TEST(random_inputs);
     TEST(modes_and_faults_have_names);
     TEST(a_measurement_has_the_time_of_its_arrival);
