@@ -3,6 +3,17 @@ VERSION := 0.1.0
 PREFIX ?= /usr/local
 B := build
 
+# For another machine, `make CROSS=aarch64-linux-gnu-` (or arm-linux-gnueabihf-) writes build/aarch64-linux-gnu/boresight.
+# SYSROOT: a folder with that system's /usr and /lib; if none is named, Debian's packages of the libraries are fetched once.
+target :=
+sysroot :=
+ifneq ($(CROSS),)
+target := $(notdir $(CROSS:%-=%))
+B := build/$(target)
+sysroot := $(or $(SYSROOT),$(shell sh boards/linux/cross/sysroot.sh $(target)))
+$(if $(and $(sysroot),$(wildcard $(sysroot)/usr/include)),,$(error no libraries for $(target) (SYSROOT=FOLDER names them)))
+endif
+
 # All cores, unless the caller says otherwise; one target's output stays together.
 ifeq ($(MAKELEVEL)$(filter -j% --jobserver%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 2)
@@ -48,12 +59,12 @@ arm_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -fda
     -mthumb -mfloat-abi=soft -Ifirmware -Ihal/include
 
 # A variant is a compiler with flags; its files are below build/VARIANT/. gcc is what is installed.
-gcc_cc := gcc
+gcc_cc := $(CROSS)gcc $(sysroot:%=--sysroot=%)
 gcc_flags := -O2
-clang_cc := clang
+clang_cc := clang $(target:%=--target=%) $(sysroot:%=--sysroot=%)
 clang_flags := -O2
 # The debug build: with BORESIGHT_DEBUG the methods of the cone prove each of their own answers.
-san_cc := clang
+san_cc := $(clang_cc)
 san_flags := -O1 -DBORESIGHT_DEBUG -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 san_ld := -fsanitize=address,undefined
 variants := gcc clang san
@@ -93,7 +104,7 @@ $(B)/$(1)/libtest.a: $(test_support_c:%.c=$(B)/$(1)/%.o)
 $(B)/$(1)/lib%.a:
 	@rm -f $$@
 	$$(say) AR $$@
-	ar rcs $$@ $$^
+	$(CROSS)ar rcs $$@ $$^
 
 $(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
 $(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
@@ -150,7 +161,7 @@ format: ## Lay out every C file
 size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
 	tests/gate/check/size-table.sh
 
-all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be
+all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be; for a Raspberry Pi: CROSS=aarch64-linux-gnu-
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 
