@@ -54,7 +54,8 @@ warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmi
 common := -std=c11 -g $(warnings) -ffp-contract=off -fno-common
 # firmware/ is freestanding and has no floating point: with this flag a float does not compile.
 firmware_flags := -ffreestanding -mgeneral-regs-only -Ifirmware -Ihal/include
-host_flags := -D_GNU_SOURCE -include $(B)/features.h -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
+# Files and times beyond 2^31 on 32-bit systems, too (no time is handed to a library, which may have been built without).
+host_flags := -D_GNU_SOURCE -D_FILE_OFFSET_BITS=64 -D_TIME_BITS=64 -include $(B)/features.h -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
 arm_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -fdata-sections -fstack-usage \
     -mthumb -mfloat-abi=soft -Ifirmware -Ihal/include
 
