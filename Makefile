@@ -38,6 +38,8 @@ hal_c := $(filter-out $(not_built),$(wildcard hal/*.c hal/linux/*.c))
 sim_c := $(filter-out host-sim/mcu/%,$(wildcard host-sim/*.c host-sim/*/*.c))
 program_c := $(filter-out $(not_built),$(wildcard boards/linux/*.c boards/linux/*/*.c))
 test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c tests/vm/support/*.c)
+# Brute force in the compiler's 128-bit integers and GMP's 64-bit ones is for systems that have them.
+test_support_c := $(if $(filter arm-%,$(target)),$(filter-out tests/property/%,$(test_support_c)),$(test_support_c))
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
