@@ -3,6 +3,17 @@ VERSION := 0.1.0
 PREFIX ?= /usr/local
 B := build
 
+# For another machine, `make CROSS=aarch64-linux-gnu-` (or arm-linux-gnueabihf-) writes build/aarch64-linux-gnu/boresight.
+# SYSROOT: a folder with that system's /usr and /lib; if none is named, Debian's packages of the libraries are fetched once.
+target :=
+sysroot :=
+ifneq ($(CROSS),)
+target := $(notdir $(CROSS:%-=%))
+B := build/$(target)
+sysroot := $(or $(SYSROOT),$(shell sh boards/linux/cross/sysroot.sh $(target)))
+$(if $(and $(sysroot),$(wildcard $(sysroot)/usr/include)),,$(error no libraries for $(target) (SYSROOT=FOLDER names them)))
+endif
+
 # All cores, unless the caller says otherwise; one target's output stays together.
 ifeq ($(MAKELEVEL)$(filter -j% --jobserver%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 2)
@@ -27,6 +38,8 @@ hal_c := $(filter-out $(not_built),$(wildcard hal/*.c hal/linux/*.c))
 sim_c := $(filter-out host-sim/mcu/%,$(wildcard host-sim/*.c host-sim/*/*.c))
 program_c := $(filter-out $(not_built),$(wildcard boards/linux/*.c boards/linux/*/*.c))
 test_support_c := $(wildcard tests/*.c tests/contract/support/*.c tests/property/support/*.c tests/vm/support/*.c)
+# Brute force in the compiler's 128-bit integers and GMP's 64-bit ones is for systems that have them.
+test_support_c := $(if $(filter arm-%,$(target)),$(filter-out tests/property/%,$(test_support_c)),$(test_support_c))
 # Each of these files is one test program.
 unit_c := $(wildcard tests/unit/*.c)
 host_test_c := $(wildcard tests/cli/*.c tests/contract/*.c tests/property/*.c tests/scenario/*.c)
@@ -43,17 +56,18 @@ warnings := -Wall -Wextra -Werror -Wshadow -Wconversion -Wstrict-prototypes -Wmi
 common := -std=c11 -g $(warnings) -ffp-contract=off -fno-common
 # firmware/ is freestanding and has no floating point: with this flag a float does not compile.
 firmware_flags := -ffreestanding -mgeneral-regs-only -Ifirmware -Ihal/include
-host_flags := -D_GNU_SOURCE -include $(B)/features.h -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
+# Files and times beyond 2^31 on 32-bit systems, too (no time is handed to a library, which may have been built without).
+host_flags := -D_GNU_SOURCE -D_FILE_OFFSET_BITS=64 -D_TIME_BITS=64 -include $(B)/features.h -Ifirmware -Ihal/include -Ihal -Ihost-sim -Iboards/linux -Itests
 arm_flags := -std=c11 -O2 -g $(warnings) -ffreestanding -ffunction-sections -fdata-sections -fstack-usage \
     -mthumb -mfloat-abi=soft -Ifirmware -Ihal/include
 
 # A variant is a compiler with flags; its files are below build/VARIANT/. gcc is what is installed.
-gcc_cc := gcc
+gcc_cc := $(CROSS)gcc $(sysroot:%=--sysroot=%)
 gcc_flags := -O2
-clang_cc := clang
+clang_cc := clang $(target:%=--target=%) $(sysroot:%=--sysroot=%)
 clang_flags := -O2
 # The debug build: with BORESIGHT_DEBUG the methods of the cone prove each of their own answers.
-san_cc := clang
+san_cc := $(clang_cc)
 san_flags := -O1 -DBORESIGHT_DEBUG -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 san_ld := -fsanitize=address,undefined
 variants := gcc clang san
@@ -93,7 +107,7 @@ $(B)/$(1)/libtest.a: $(test_support_c:%.c=$(B)/$(1)/%.o)
 $(B)/$(1)/lib%.a:
 	@rm -f $$@
 	$$(say) AR $$@
-	ar rcs $$@ $$^
+	$(CROSS)ar rcs $$@ $$^
 
 $(1)_libs := $(foreach l,program sim hal firmware,$(B)/$(1)/lib$(l).a)
 $(B)/$(1)/boresight: $(B)/$(1)/boards/linux/main.o $$($(1)_libs)
@@ -150,7 +164,7 @@ format: ## Lay out every C file
 size: $(arm_objects) ## Print the flash of each folder and the RAM of a controller
 	tests/gate/check/size-table.sh
 
-all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be
+all: $(B)/boresight $(if $(unicorn),$(B)/boresight-mcu) ## Build the program (build/boresight), and boresight-mcu if it can be; for a Raspberry Pi: CROSS=aarch64-linux-gnu-
 $(B)/boresight: $(B)/gcc/boresight
 	@cp $< $@
 

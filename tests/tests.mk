@@ -13,6 +13,7 @@ include tests/mcu/mps2/mps2.mk
 include tests/mcu/tick/tick.mk
 test_runs += script/tests/mcu/rp2040/pico
 include tests/mcu/hal/hal.mk
+include tests/cross/cross.mk
 include tests/vm/vm.mk
 # In real time: one after the other when all others are done, and again if the machine paused.
 realtime := cli/board cli/calibrate cli/camera cli/camera_loop cli/camera_run cli/capacity cli/drive cli/hidden mcu/cpu/link \
@@ -59,7 +60,7 @@ $(B)/check/$(1)/%.log: $(B)/$(1)/% FORCE
 endef
 $(foreach v,$(variants),$(eval $(call variant_test,$(v))))
 
-check: need-check need-vm ## Run every test that needs no hardware; ends with `N passed, N failed`
+check: need-check need-vm need-cross ## Run every test that needs no hardware; ends with `N passed, N failed`
 	@$(MAKE) --no-print-directory check-all
 
 .PHONY: check-all

@@ -1,9 +1,9 @@
 #include "big.h"
 
+#include "fixed/wide.h"
+
 #include <assert.h>
 #include <stdbool.h>
-
-__extension__ typedef unsigned __int128 uint128;
 
 static void trim(struct big *a) {
     while (a->count != 0U && a->word[a->count - 1U] == 0U) {
@@ -19,9 +19,9 @@ void big_set(struct big *a, uint64_t value) {
 void big_multiply_add(struct big *a, uint64_t factor, uint64_t term) {
     uint64_t carry = term;
     for (uint32_t i = 0; i < a->count; i++) {
-        const uint128 sum = (uint128)a->word[i] * factor + carry;
-        a->word[i] = (uint64_t)sum;
-        carry = (uint64_t)(sum >> 64);
+        const struct u128 sum = u128_add(u128_mul(a->word[i], factor), (struct u128){carry, 0});
+        a->word[i] = sum.lo;
+        carry = sum.hi;
     }
     if (carry != 0U) {
         assert(a->count < BIG_WORDS);
@@ -58,9 +58,9 @@ void big_add(struct big *a, const struct big *b) {
     }
     uint64_t carry = 0;
     for (uint32_t i = 0; i < a->count; i++) {
-        const uint128 sum = (uint128)a->word[i] + (i < b->count ? b->word[i] : 0U) + carry;
-        a->word[i] = (uint64_t)sum;
-        carry = (uint64_t)(sum >> 64);
+        const uint64_t sum = a->word[i] + carry;
+        a->word[i] = sum + (i < b->count ? b->word[i] : 0U);
+        carry = sum < carry || a->word[i] < sum ? 1U : 0U;
     }
     if (carry != 0U) {
         assert(a->count < BIG_WORDS);
@@ -71,9 +71,9 @@ void big_add(struct big *a, const struct big *b) {
 void big_subtract(struct big *a, const struct big *b) {
     uint64_t borrow = 0;
     for (uint32_t i = 0; i < a->count; i++) {
-        const uint128 taken = (uint128)(i < b->count ? b->word[i] : 0U) + borrow;
-        borrow = a->word[i] < taken ? 1U : 0U;
-        a->word[i] -= (uint64_t)taken;
+        const uint64_t left = a->word[i] - borrow, taken = i < b->count ? b->word[i] : 0U;
+        borrow = left > a->word[i] || left < taken ? 1U : 0U;
+        a->word[i] = left - taken;
     }
     assert(borrow == 0U);
     trim(a);
@@ -167,10 +167,10 @@ void big_divide_exact(struct big *a, const struct big *divisor) {
         const uint64_t digit = a->word[i] * inverse;
         uint64_t borrow = 0;
         for (uint32_t j = 0; i + j < a->count; j++) {
-            const uint128 product = j < odd.count ? (uint128)digit * odd.word[j] : 0U;
-            const uint128 taken = product + borrow;
-            borrow = (uint64_t)(taken >> 64) + (a->word[i + j] < (uint64_t)taken ? 1U : 0U);
-            a->word[i + j] -= (uint64_t)taken;
+            const struct u128 product = u128_mul(digit, j < odd.count ? odd.word[j] : 0U);
+            const struct u128 taken = u128_add(product, (struct u128){borrow, 0});
+            borrow = taken.hi + (a->word[i + j] < taken.lo ? 1U : 0U);
+            a->word[i + j] -= taken.lo;
         }
         assert(borrow == 0U && a->word[i] == 0U);
         a->word[i] = digit;

@@ -235,7 +235,7 @@ static enum exit_status pan(const struct command *command, const struct settings
                             const struct points *points, const struct objects *objects) {
     struct vec3 axis_q30[OBJECTS_MOST];
     double weights[OBJECTS_MOST];
-    struct vec3 *const ahead_q30 = malloc((settings->steps + 1U) * sizeof *ahead_q30);
+    struct vec3 *const ahead_q30 = malloc(((size_t)settings->steps + 1U) * sizeof *ahead_q30);
     if (ahead_q30 == NULL) {
         return tell_no_memory(command, points);
     }

@@ -63,13 +63,12 @@ static void put_i128(FILE *out, struct i128 value) {
     char text[48];
     size_t at = sizeof text - 1U;
     const bool negative = value.hi < 0;
-    const struct i128 size = negative ? i128_neg(value) : value;
-    uint128 left = (uint128)(uint64_t)size.hi << 64 | size.lo;
+    struct u128 left = u128_abs(value), digit;
     text[at] = '\0';
     do {
-        text[--at] = (char)('0' + (int)(left % 10U));
-        left /= 10U;
-    } while (left != 0U);
+        left = u128_divide(left, u128_of(10), &digit);
+        text[--at] = (char)('0' + (int)digit.lo);
+    } while (!u128_is_zero(left));
     fprintf(out, "%s%s", negative ? "-" : "", text + at);
 }
 
@@ -206,11 +205,12 @@ static enum exit_status solve(const struct job *job) {
                         count, problems[job->problem], steps[job->step], most);
         return EXIT_STATUS_USAGE;
     }
-    const uint64_t bytes = regular_workspace_bytes(job->problem, job->step, count, how);
+    const uint64_t wanted = regular_workspace_bytes(job->problem, job->step, count, how);
+    const size_t bytes = wanted < SIZE_MAX ? (size_t)wanted : SIZE_MAX - 1U;
     void *const workspace = malloc(bytes + 1U);
     if (workspace == NULL) {
         message_command(job->command->name, "no memory: %" PRIu32 " items need %" PRIu64 " bytes",
-                        count, bytes);
+                        count, wanted);
         return EXIT_STATUS_FAILURE;
     }
     const struct regular_input input = {job->problem, job->items.points, count};

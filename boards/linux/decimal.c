@@ -49,7 +49,7 @@ static uint32_t head_digits(const struct decimal *a) {
     return a->digit_count < DECIMAL_HEAD_DIGITS ? a->digit_count : DECIMAL_HEAD_DIGITS;
 }
 
-static uint128 read_head(const struct decimal *a) {
+static struct u128 read_head(const struct decimal *a) {
     struct digits digits = {a->first, a->digit_count};
     uint32_t left = head_digits(a);
     uint64_t high = 0, low = 0, power = 1;
@@ -60,7 +60,7 @@ static uint128 read_head(const struct decimal *a) {
         low = low * 10U + next_digit(&digits);
         power *= 10U;
     }
-    return (uint128)high * power + low;
+    return u128_add(u128_mul(high, power), u128_of(low));
 }
 
 enum decimal_status decimal_read(const char *text, size_t size, struct decimal *out) {
@@ -132,7 +132,7 @@ int decimal_compare(const struct decimal *a, const struct decimal *b) {
     return 0;
 }
 
-uint128 decimal_power10(uint32_t exponent) {
+struct u128 decimal_power10(uint32_t exponent) {
     static const uint64_t powers[20] = {UINT64_C(1),
                                         UINT64_C(10),
                                         UINT64_C(100),
@@ -154,7 +154,8 @@ uint128 decimal_power10(uint32_t exponent) {
                                         UINT64_C(1000000000000000000),
                                         UINT64_C(10000000000000000000)};
     assert(exponent <= 38U);
-    return exponent < 20U ? powers[exponent] : (uint128)powers[19] * powers[exponent - 19U];
+    return exponent < 20U ? u128_of(powers[exponent])
+                          : u128_mul(powers[19], powers[exponent - 19U]);
 }
 
 void decimal_magnitude(const struct decimal *a, int32_t shift, struct big *out) {
@@ -206,8 +207,8 @@ bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denomin
     return true;
 }
 
-bool decimal_fixed(const struct decimal *a, int32_t places, int128 *out) {
-    *out = 0;
+bool decimal_fixed(const struct decimal *a, int32_t places, struct i128 *out) {
+    *out = i128_from_i64(0);
     if (a->digit_count == 0U) {
         return true;
     }
@@ -216,20 +217,27 @@ bool decimal_fixed(const struct decimal *a, int32_t places, int128 *out) {
     if (used + shift > DECIMAL_HEAD_DIGITS) {
         return false;
     }
-    uint128 value = 0;
+    struct u128 value = {0, 0};
     if (shift >= 0) {
-        value = a->head * decimal_power10((uint32_t)shift);
+        value = u128_product(a->head, decimal_power10((uint32_t)shift));
     } else if (shift > -DECIMAL_HEAD_DIGITS) {
-        value = a->head / decimal_power10((uint32_t)-shift);
+        value = u128_divide(a->head, decimal_power10((uint32_t)-shift), NULL);
     }
-    *out = a->negative ? -(int128)value : (int128)value;
+    *out = i128_with_sign(value, a->negative);
     return true;
+}
+
+bool decimal_whole(const struct decimal *a, int64_t *out) {
+    struct i128 value;
+    const bool fits = decimal_fixed(a, 0, &value) && value.hi == ((int64_t)value.lo < 0 ? -1 : 0);
+    *out = fits ? (int64_t)value.lo : 0;
+    return fits;
 }
 
 long double decimal_value(const struct decimal *a) {
     const uint32_t kept =
         a->digit_count < DECIMAL_HEAD_DIGITS ? a->digit_count : DECIMAL_HEAD_DIGITS;
     const long double size =
-        (long double)a->head * powl(10.0L, (long double)a->exponent + a->digit_count - kept);
+        u128_value(a->head) * powl(10.0L, (long double)a->exponent + a->digit_count - kept);
     return a->digit_count == 0U ? 0.0L : a->negative ? -size : size;
 }

@@ -6,13 +6,11 @@
 #define LINUX_DECIMAL_H
 
 #include "big.h"
+#include "u128.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-__extension__ typedef __int128 int128;
-__extension__ typedef unsigned __int128 uint128;
 
 /// Every digit that is not zero stands between 10^DECIMAL_HIGHEST and 10^DECIMAL_LOWEST. Each
 /// double that is written out exactly fits (767 digits, the last at 10^-1074).
@@ -25,7 +23,7 @@ struct decimal {
     bool negative;
     uint32_t digit_count; ///< 0: the number is zero
     int32_t exponent;     ///< power of ten of the last digit; 0 for zero
-    uint128 head;         ///< the first DECIMAL_HEAD_DIGITS digits at most, as an integer
+    struct u128 head;     ///< the first DECIMAL_HEAD_DIGITS digits at most, as an integer
     const char *first;    ///< the first digit in the text, which must outlive this
 };
 
@@ -49,12 +47,15 @@ bool decimal_scale(const struct decimal *a, uint64_t numerator, uint64_t denomin
 
 /// a in units of 10^-places; digits below are cut off.
 /// Returns: whether |a| is below 10^(DECIMAL_HEAD_DIGITS - places). places: 0 to 36.
-bool decimal_fixed(const struct decimal *a, int32_t places, int128 *out);
+bool decimal_fixed(const struct decimal *a, int32_t places, struct i128 *out);
+
+/// a as an integer; digits after the point are cut off. Returns: whether it is within int64.
+bool decimal_whole(const struct decimal *a, int64_t *out);
 
 /// The value as a floating-point number; infinite beyond its range.
 long double decimal_value(const struct decimal *a);
 
 /// 10^exponent; exponent: 0 to 38.
-uint128 decimal_power10(uint32_t exponent);
+struct u128 decimal_power10(uint32_t exponent);
 
 #endif

@@ -11,17 +11,9 @@ const long double direction_degrees_error_rad = 16 * LDBL_EPSILON + 0x1p-60L;
 
 /// Three magnitudes with signs, in 128 bits.
 struct wide_vector {
-    uint128 size[3];
+    struct u128 size[3];
     bool negative[3];
 };
-
-static unsigned bit_length(uint128 a) {
-    const uint64_t high = (uint64_t)(a >> 64), low = (uint64_t)a;
-    if (high != 0U) {
-        return 128U - (unsigned)__builtin_clzll(high);
-    }
-    return low != 0U ? 64U - (unsigned)__builtin_clzll(low) : 0U;
-}
 
 static uint64_t gcd_u64(uint64_t a, uint64_t b) {
     while (b != 0U) {
@@ -32,13 +24,14 @@ static uint64_t gcd_u64(uint64_t a, uint64_t b) {
     return a;
 }
 
-static uint128 gcd(uint128 a, uint128 b) {
-    while (b != 0U && (a | b) >> 64 != 0U) {
-        const uint128 rest = a % b;
+static struct u128 gcd(struct u128 a, struct u128 b) {
+    while (!u128_is_zero(b) && (a.hi | b.hi) != 0U) {
+        struct u128 rest;
+        u128_divide(a, b, &rest);
         a = b;
         b = rest;
     }
-    return b == 0U ? a : gcd_u64((uint64_t)a, (uint64_t)b);
+    return u128_is_zero(b) ? a : u128_of(gcd_u64(a.lo, b.lo));
 }
 
 static int64_t with_sign(uint64_t size, bool negative) {
@@ -50,11 +43,11 @@ static unsigned shift_to(unsigned bits, unsigned target) {
     return bits > target ? bits - target : 0U;
 }
 
-static uint64_t round_shift_u128(uint128 value, unsigned shift) {
+static uint64_t round_shift_u128(struct u128 value, unsigned shift) {
     if (shift == 0U) {
-        return (uint64_t)value;
+        return value.lo;
     }
-    return (uint64_t)(value >> shift) + (uint64_t)((value >> (shift - 1U)) & 1U);
+    return u128_shift_right(value, shift).lo + (u128_shift_right(value, shift - 1U).lo & 1U);
 }
 
 static struct vec3_i64 rounded(const struct wide_vector *v, unsigned shift) {
@@ -71,22 +64,25 @@ static struct vec3 narrow(struct vec3_i64 a) {
     return vec3((int32_t)a.x, (int32_t)a.y, (int32_t)a.z);
 }
 
-/// From components without a common divisor. False: zero.
+static unsigned longest(const struct wide_vector *v) {
+    return u128_bit_length(u128_or(u128_or(v->size[0], v->size[1]), v->size[2]));
+}
+
+/// False: zero.
 static bool from_wide(struct wide_vector *v, struct direction *out) {
-    uint128 all = v->size[0] | v->size[1] | v->size[2];
-    if (all == 0U) {
+    unsigned bits = longest(v);
+    if (bits == 0U) {
         return false;
     }
-    if (bit_length(all) > 31U) {
-        const uint128 divisor = gcd(gcd(v->size[0], v->size[1]), v->size[2]);
-        if (divisor != 1U) {
+    if (bits > 31U) {
+        const struct u128 divisor = gcd(gcd(v->size[0], v->size[1]), v->size[2]);
+        if (u128_cmp(divisor, u128_of(1)) != 0) {
             for (int i = 0; i < 3; i++) {
-                v->size[i] /= divisor;
+                v->size[i] = u128_divide(v->size[i], divisor, NULL);
             }
         }
-        all = v->size[0] | v->size[1] | v->size[2];
+        bits = longest(v);
     }
-    const unsigned bits = bit_length(all);
     const unsigned coarse_shift = shift_to(bits, 31U), fine_shift = shift_to(bits, 62U);
     struct vec3_i64 coarse = rounded(v, coarse_shift);
     if (!fits_int32(coarse)) { // rounded up to 2^31
@@ -103,7 +99,7 @@ static bool from_wide(struct wide_vector *v, struct direction *out) {
 static bool subtract_wide(const struct decimal point[3], const struct decimal viewpoint[3],
                           int32_t shift, struct wide_vector *out) {
     for (int i = 0; i < 3; i++) {
-        int128 difference = 0;
+        struct i128 difference = {0, 0};
         const struct decimal *const terms[2] = {&point[i], &viewpoint[i]};
         for (int j = 0; j < 2; j++) {
             const struct decimal *const a = terms[j];
@@ -114,12 +110,12 @@ static bool subtract_wide(const struct decimal point[3], const struct decimal vi
             if (zeros + (int32_t)a->digit_count > DECIMAL_HEAD_DIGITS) {
                 return false;
             }
-            const int128 size =
-                (int128)(zeros == 0 ? a->head : a->head * decimal_power10((uint32_t)zeros));
-            difference += a->negative != (j == 1) ? -size : size;
+            const struct u128 size =
+                zeros == 0 ? a->head : u128_product(a->head, decimal_power10((uint32_t)zeros));
+            difference = i128_add(difference, i128_with_sign(size, a->negative != (j == 1)));
         }
-        out->negative[i] = difference < 0;
-        out->size[i] = (uint128)(difference < 0 ? -difference : difference);
+        out->negative[i] = difference.hi < 0;
+        out->size[i] = u128_abs(difference);
     }
     return true;
 }
@@ -216,16 +212,17 @@ bool direction_from_decimals(const struct decimal point[3], const struct decimal
 }
 
 /// Sine and cosine of an angle in units of 10^-27 degrees.
-static void sincos_degrees(int128 angle, long double *sine, long double *cosine) {
-    const int128 quarter = 90 * (int128)decimal_power10(DIRECTION_DEGREE_PLACES);
-    int128 rest = angle % (4 * quarter);
-    rest += rest < 0 ? 4 * quarter : 0;
-    const int quadrant = (int)(rest / quarter);
-    rest %= quarter;
-    const bool upper = rest > quarter / 2, middle = rest == quarter / 2;
-    const int128 folded = upper ? quarter - rest : rest;
+static void sincos_degrees(struct i128 angle, long double *sine, long double *cosine) {
+    const struct u128 eighth = u128_product(u128_of(45), decimal_power10(DIRECTION_DEGREE_PLACES));
+    const struct u128 quarter = u128_shift_left(eighth, 1), turn = u128_shift_left(eighth, 3);
+    struct u128 rest;
+    u128_divide(u128_abs(angle), turn, &rest);
+    rest = angle.hi < 0 && !u128_is_zero(rest) ? u128_sub(turn, rest) : rest;
+    const int quadrant = (int)u128_divide(rest, quarter, &rest).lo;
+    const bool upper = u128_cmp(rest, eighth) > 0, middle = u128_cmp(rest, eighth) == 0;
+    const struct u128 folded = upper ? u128_sub(quarter, rest) : rest;
     const long double rad_per_degree = 0.017453292519943295769236907684886127L;
-    const long double x = (long double)folded / 1e27L * rad_per_degree;
+    const long double x = u128_value(folded) / 1e27L * rad_per_degree;
     // At 45 degrees both are the same number, whichever of them the quadrant asks for.
     const long double small = middle ? sqrtl(0.5L) : sinl(x), large = middle ? small : cosl(x);
     const long double s = upper ? large : small, c = upper ? small : large;
@@ -238,7 +235,8 @@ static struct vec3_i64 scaled(const long double v[3], long double factor) {
                              (int64_t)roundl(v[2] * factor)};
 }
 
-void direction_from_degrees(int128 right_ascension, int128 declination, struct direction *out) {
+void direction_from_degrees(struct i128 right_ascension, struct i128 declination,
+                            struct direction *out) {
     long double sin_a, cos_a, sin_d, cos_d;
     sincos_degrees(right_ascension, &sin_a, &cos_a);
     sincos_degrees(declination, &sin_d, &cos_d);

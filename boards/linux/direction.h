@@ -34,7 +34,8 @@ enum { DIRECTION_DEGREE_PLACES = 27 };
 /// Right ascension and declination in units of 10^-27 degrees; |declination| at most 90 degrees.
 /// The angles are reduced exactly to at most 45 degrees, then sines and cosines are taken in long
 /// double: opposite stars get opposite vectors, and quarter turns are exact.
-void direction_from_degrees(int128 right_ascension, int128 declination, struct direction *out);
+void direction_from_degrees(struct i128 right_ascension, struct i128 declination,
+                            struct direction *out);
 
 /// How far `fine` can be from the true direction, in radians, where fine_exact is false: of a
 /// direction from decimals, and from degrees.

@@ -1,6 +1,6 @@
 # Optional libraries of the program on Linux: a feature is on where its header is, and `boresight --version` lists it.
 # What is found goes into a header that every file of the host includes; it changes only when the answer does.
-find_header = $(firstword $(wildcard /usr/include/$(1) /usr/local/include/$(1)))
+find_header = $(firstword $(wildcard $(sysroot)/usr/include/$(1) $(sysroot)/usr/local/include/$(1)))
 gpiod_header := $(call find_header,gpiod.h)
 # 1.6 and 2.x have the same header's name and no call in common.
 gpiod := $(if $(gpiod_header),$(if $(shell grep -l gpiod_line_settings_new $(gpiod_header)),2,1),0)

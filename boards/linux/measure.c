@@ -1,6 +1,6 @@
 #include "measure.h"
 
-#include "fixed/wide.h"
+#include "u128.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,7 +19,8 @@ static struct products multiply(struct vec3 axis_q30, struct vec3_i64 direction)
 }
 
 static long double to_long_double(struct i128 a) {
-    return (long double)(int128)(((uint128)(uint64_t)a.hi << 64) | a.lo);
+    const long double size = u128_value(u128_abs(a));
+    return a.hi < 0 ? -size : size;
 }
 
 /// Each product is exact before it is rounded, so the angle is right to a few units of its own last
@@ -89,15 +90,16 @@ struct measured_cone measure_cone(struct vec3 axis_q30, const struct points *poi
         const long double deg = (largest_rad + points->fine_error_rad) * deg_per_rad;
         cone.half_angle_pdeg = (uint64_t)ceill(deg * (1 + slack) * MEASURE_DEGREE);
     }
-    const uint128 turn = 360 * (uint128)MEASURE_DEGREE;
+    const uint64_t turn = 360 * MEASURE_DEGREE;
+    const struct u128 scaled = u128_shift_left(u128_of(cone.half_angle_pdeg), 32);
     cone.half_angle_bam32 =
-        bam32((uint32_t)((((uint128)cone.half_angle_pdeg << 32) + turn - 1U) / turn));
+        bam32((uint32_t)u128_divide(u128_add(scaled, u128_of(turn - 1U)), u128_of(turn), NULL).lo);
     return cone;
 }
 
 uint64_t measure_pdeg(uint64_t angle_turn64) {
-    const uint128 whole = (uint128)angle_turn64 * (360U * (uint128)MEASURE_DEGREE);
-    return (uint64_t)(whole >> 64) + ((uint64_t)whole != 0U ? 1U : 0U);
+    const struct u128 whole = u128_mul(angle_turn64, 360U * MEASURE_DEGREE);
+    return whole.hi + (whole.lo != 0U ? 1U : 0U);
 }
 
 static long double rad_from_pdeg(uint64_t angle_pdeg) {

@@ -210,12 +210,13 @@ static void set_plane_foot(const struct plan *plan, struct plan_view *view) {
     const struct vec3 ab = vec3(b.x - a.x, b.y - a.y, b.z - a.z),
                       ac = vec3(c.x - a.x, c.y - a.y, c.z - a.z);
     const struct vec3_i64 n = vec3_cross(ab, ac), away = side_between(a, view->at);
-    const long double nx = n.x, ny = n.y, nz = n.z;
+    const long double nx = (long double)n.x, ny = (long double)n.y, nz = (long double)n.z;
     const long double part =
-        (nx * away.x + ny * away.y + nz * away.z) / (nx * nx + ny * ny + nz * nz);
-    view->plane_foot[0] = clean(plan, view->at.x - part * nx);
-    view->plane_foot[1] = clean(plan, view->at.y - part * ny);
-    view->plane_foot[2] = clean(plan, view->at.z - part * nz);
+        (nx * (long double)away.x + ny * (long double)away.y + nz * (long double)away.z) /
+        (nx * nx + ny * ny + nz * nz);
+    view->plane_foot[0] = clean(plan, (long double)view->at.x - part * nx);
+    view->plane_foot[1] = clean(plan, (long double)view->at.y - part * ny);
+    view->plane_foot[2] = clean(plan, (long double)view->at.z - part * nz);
 }
 
 enum exit_status plan_look(struct plan *plan, struct vec3 at, struct plan_view *out) {

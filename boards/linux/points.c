@@ -144,13 +144,14 @@ static bool read_q30(struct place place, const struct points_word *columns, bool
 
 static bool read_radec(struct place place, const struct points_word *columns,
                        struct direction *out) {
-    static const struct decimal limit = {.digit_count = 1, .exponent = 1, .head = 9, .first = "9"};
+    static const struct decimal limit = {
+        .digit_count = 1, .exponent = 1, .head = {9, 0}, .first = "9"};
     struct decimal value[2];
     if (!read_decimal(place, columns[0], &value[0]) ||
         !read_decimal(place, columns[1], &value[1])) {
         return false;
     }
-    int128 angle[2];
+    struct i128 angle[2];
     if (!decimal_fixed(&value[0], DIRECTION_DEGREE_PLACES, &angle[0])) {
         message_at(place.file, place.line, "right ascension %s is beyond 10^%d degrees",
                    message_quoted(columns[0].text, columns[0].size).text,

@@ -45,7 +45,6 @@ void regular_file_free(struct regular_items *items) {
 static bool read_whole(const struct lines *lines, struct points_word word, int64_t most,
                        int64_t *out) {
     struct decimal decimal;
-    int128 value = 0;
     const struct message_quote quote = message_quoted(word.text, word.size);
     if (decimal_read(word.text, word.size, &decimal) != DECIMAL_OK) {
         message_at(lines->name, lines->number, "%s is not a number", quote.text);
@@ -55,11 +54,10 @@ static bool read_whole(const struct lines *lines, struct points_word word, int64
         message_at(lines->name, lines->number, "%s is not a whole number", quote.text);
         return false;
     }
-    if (!decimal_fixed(&decimal, 0, &value) || value > most || value < -most) {
+    if (!decimal_whole(&decimal, out) || *out > most || *out < -most) {
         message_at(lines->name, lines->number, "%s is beyond %" PRId64, quote.text, most);
         return false;
     }
-    *out = (int64_t)value;
     return true;
 }
 

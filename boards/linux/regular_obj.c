@@ -57,7 +57,7 @@ static bool read_coordinate(const struct reader *r, struct points_word word,
     if (decimal.digit_count > 18U) {
         return fault(r, " has more digits than can be kept exactly", word);
     }
-    out->digits = decimal.negative ? -(int64_t)decimal.head : (int64_t)decimal.head;
+    out->digits = decimal.negative ? -(int64_t)decimal.head.lo : (int64_t)decimal.head.lo;
     out->exponent = decimal.exponent;
     return true;
 }
@@ -86,9 +86,9 @@ static bool read_index(const struct reader *r, struct points_word word, uint32_t
     const char *const slash = memchr(word.text, '/', word.size);
     const size_t size = slash != NULL ? (size_t)(slash - word.text) : word.size;
     struct decimal decimal;
-    int128 value = 0;
+    int64_t value = 0;
     if (decimal_read(word.text, size, &decimal) != DECIMAL_OK || decimal.exponent < 0 ||
-        !decimal_fixed(&decimal, 0, &value)) {
+        !decimal_whole(&decimal, &value)) {
         return fault(r, " is not the number of a vertex", word);
     }
     value = value < 0 ? value + r->vertex_count : value - 1;

@@ -1,6 +1,7 @@
 #include "rig.h"
 
 #include "rig_schema.h"
+#include "u128.h"
 
 #include "drive/rmd.h"
 #include "linux/linux_camera_servo.h"
@@ -8,8 +9,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-
-__extension__ typedef __int128 wide;
 
 static const char *const axis_names[] = {"pan", "tilt", "zoom"};
 
@@ -19,11 +18,11 @@ static const char *const axis_names[] = {"pan", "tilt", "zoom"};
 
 /// A rate per second (or per second^power) as a rate per tick, rounded down, at least 1.
 static int64_t per_tick(int64_t rate, uint32_t tick_us, unsigned power) {
-    wide scaled = rate;
+    int64_t scaled = rate;
     for (unsigned i = 0; i < power; i++) {
-        scaled = scaled * tick_us / 1000000;
+        scaled = i64_mul_div(scaled, tick_us, 1000000);
     }
-    return scaled < 1 ? 1 : (int64_t)scaled;
+    return scaled < 1 ? 1 : scaled;
 }
 
 // ---------------------------------------------------------------- axes
@@ -42,16 +41,15 @@ static bool build_limits(const struct ini *ini, const char *name, const struct r
     if (from->jerk_q48 != 0) {
         // 2 accel / jerk seconds of smoothing keep the jerk (motion/limiter.h). jerk_q48 has 2^40 a
         // turn.
-        const wide smooth_us = (wide)2 * from->accel_q48 * 1000000 / ((wide)from->jerk_q48 << 8);
-        const wide ticks = (smooth_us + tick_us - 1) / tick_us;
-        if (ticks > LIMITER_SMOOTH_TICKS_MAX) {
+        const int64_t smooth_us = i64_mul_div(from->accel_q48, 2000000, from->jerk_q48 * 256);
+        if (smooth_us > (int64_t)LIMITER_SMOOTH_TICKS_MAX * tick_us) {
             const double most = (double)LIMITER_SMOOTH_TICKS_MAX * tick_us * 1e-6 / 2.0 *
                                 (double)from->jerk_q48 * 360.0 / 1099511627776.0;
             ini_complain(ini, name, "", "accel_max_dps2",
                          "takes too long to build up at this jerk_max_dps3: at most %.1f", most);
             return false;
         }
-        limits->smooth_ticks = ticks < 1 ? 1U : (uint32_t)ticks;
+        limits->smooth_ticks = smooth_us < 1 ? 1U : (uint32_t)((smooth_us + tick_us - 1) / tick_us);
     }
     return true;
 }
@@ -102,6 +100,11 @@ static bool build_uvc(const struct ini *ini, unsigned axis, const struct rig_axi
     return true;
 }
 
+/// Of an angle, rounded down; per_turn_micro: millionths of a step a turn.
+static int64_t steps(int64_t angle_q48, int64_t per_turn_micro) {
+    return i64_mul_div(angle_q48, per_turn_micro, AXIS_TURN_Q48) / 1000000;
+}
+
 /// Steps as pulses of a PWM drive: see rig.h.
 static bool build_step(const struct ini *ini, const char *name, const struct rig_axis *from,
                        struct drive_pwm_config *pwm, struct rig_step *step) {
@@ -110,17 +113,16 @@ static bool build_step(const struct ini *ini, const char *name, const struct rig
                      from->device);
         return false;
     }
-    const wide per_turn_micro = (wide)from->steps_per_deg_micro * 360;
-    const wide range_q48 = (wide)from->limit_max_q48 - from->limit_min_q48;
-    const wide count = range_q48 * per_turn_micro / 1000000 / AXIS_TURN_Q48 + 1;
+    const int64_t per_turn_micro = from->steps_per_deg_micro * 360;
+    const int64_t count = steps(from->limit_max_q48 - from->limit_min_q48, per_turn_micro) + 1;
     if (from->steps_per_deg_micro == 0 || count > RIG_STEPS_MAX) {
         ini_complain(ini, name, "", "steps_per_deg",
                      from->steps_per_deg_micro == 0 ? "has to be told for drive = step"
                                                     : "gives too many steps between the limits");
         return false;
     }
-    const wide unit_ns = RIG_STEPS_MAX / count < 1000 ? RIG_STEPS_MAX / count : 1000;
-    const wide rate = (wide)from->speed_q48 * per_turn_micro / 1000000 / AXIS_TURN_Q48;
+    const int64_t unit_ns = RIG_STEPS_MAX / count < 1000 ? RIG_STEPS_MAX / count : 1000;
+    const int64_t rate = steps(from->speed_q48, per_turn_micro);
     if (rate > RIG_STEP_RATE_MAX) {
         ini_complain(ini, name, "", "speed_max_dps", "takes more than %d steps a second",
                      RIG_STEP_RATE_MAX);
@@ -130,14 +132,14 @@ static bool build_step(const struct ini *ini, const char *name, const struct rig
         .channel = (uint32_t)from->channel,
         .low_q48 = from->limit_min_q48,
         .high_q48 =
-            from->limit_min_q48 + (int64_t)(count * AXIS_TURN_Q48 * 1000000 / per_turn_micro),
+            from->limit_min_q48 + i64_mul_div(count * 1000000, AXIS_TURN_Q48, per_turn_micro),
         .low_pulse_ns = RIG_STEP_BASE_NS,
         .high_pulse_ns = RIG_STEP_BASE_NS + (uint32_t)(count * unit_ns)};
     *step = (struct rig_step){.unit_ns = (uint32_t)unit_ns,
                               .direction_channel = (uint32_t)from->direction_channel,
                               .rate_max = (uint32_t)(rate + rate / 4 + 50), // to catch up
-                              .home_steps = (int64_t)(((wide)from->home_q48 - from->limit_min_q48) *
-                                                      per_turn_micro / 1000000 / AXIS_TURN_Q48)};
+                              .home_steps =
+                                  steps(from->home_q48 - from->limit_min_q48, per_turn_micro)};
     return true;
 }
 
@@ -207,8 +209,7 @@ static bool build_lens(const struct rig_zoom *from, const struct ini_numbers *pu
     for (uint32_t i = 0; i < count; i++) {
         const int64_t part = pulse_ns->item[i] - first, whole = last - first;
         lens->point[i].focal_um = (uint32_t)from->focal_um.item[i];
-        lens->point[i].position_q48 =
-            whole == 0 ? 0 : (int64_t)((wide)part * AXIS_TURN_Q48 / whole);
+        lens->point[i].position_q48 = whole == 0 ? 0 : i64_mul_div(part, AXIS_TURN_Q48, whole);
     }
     if (first == last || !lens_valid(lens)) {
         ini_complain(ini, "zoom", "", first == last ? key : "focal_mm",
@@ -240,7 +241,7 @@ static bool build_zoom(const struct rig_file *file, const struct ini *ini, struc
     const uint32_t tick_us = rig->controller.tick_us;
     zoom->limits = (struct limiter_config){.max_q48 = AXIS_TURN_Q48, .smooth_ticks = 1};
     zoom->limits.speed_max_q48 =
-        per_tick((int64_t)((wide)AXIS_TURN_Q48 * 1000000 / from->travel_us), tick_us, 1);
+        per_tick(i64_mul_div(AXIS_TURN_Q48, 1000000, from->travel_us), tick_us, 1);
     const int64_t ramp_ticks = from->ramp_us / tick_us < 1 ? 1 : from->ramp_us / tick_us;
     zoom->limits.accel_max_q48 = zoom->limits.speed_max_q48 / ramp_ticks;
     zoom->limits.accel_max_q48 += zoom->limits.accel_max_q48 == 0;

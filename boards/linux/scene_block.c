@@ -235,13 +235,14 @@ static enum scene_build_status assemble(struct output *o, void **block, size_t *
                 {o->corners, (uint64_t)h->corner_count * sizeof *o->corners},
                 {o->names, h->name_bytes}};
     const size_t lists = sizeof list / sizeof *list;
-    uint64_t size = sizeof *h;
+    uint64_t total = sizeof *h;
     for (size_t i = 0; i < lists; i++) {
-        size += list[i].size;
+        total += list[i].size;
     }
-    if (size > UINT32_MAX) {
+    if (total > UINT32_MAX) {
         return SCENE_BUILD_TOO_LARGE;
     }
+    const size_t size = (size_t)total;
     unsigned char *const bytes = malloc(size);
     if (bytes == NULL) {
         return SCENE_BUILD_NO_MEMORY;
@@ -250,7 +251,7 @@ static enum scene_build_status assemble(struct output *o, void **block, size_t *
     unsigned char *at = bytes + sizeof *h;
     for (size_t i = 0; i < lists; i++) {
         if (list[i].size != 0U) {
-            memcpy(at, list[i].from, list[i].size);
+            memcpy(at, list[i].from, (size_t)list[i].size);
             at += list[i].size;
         }
     }

@@ -243,7 +243,7 @@ enum scene_build_status scene_build(const struct scene_text *scene,
                                     const struct scene_build_options *options, void **block,
                                     size_t *size_bytes) {
     struct build b = {.scene = scene, .options = options};
-    uint64_t total = 0;
+    size_t total = 0;
     for (uint32_t i = 0; i < scene->detail_count; i++) {
         total += scene->details[i].count;
     }

@@ -20,6 +20,17 @@
 #define STEP_MOST  (UINT32_C(1) << 27)
 #define STEP_LEAST 2U
 
+/// A walk that follows caps finds the tilt to this part of its step, but to this much at most.
+#define ROUGH_PART 2U
+#define ROUGH_MOST (UINT32_C(1) << 15)
+/// Its longest step: 350 degrees a second at a call a millisecond.
+#define STEP_ROUGH_MOST (UINT32_C(1) << 22)
+/// It goes one step in each call, also if that takes so much work more than is allowed.
+#define SLACK 300U
+
+/// By this part a picture may grow from one call to the next before another place is looked at.
+#define WORSE_SHIFT 3U
+
 /// A walk that adds caps to the working set goes on, at most so often.
 #define ROUNDS_MAX 16U
 
@@ -41,6 +52,7 @@ struct run {
     struct rectangle_view view;
     struct rectangle_workspace *workspace;
     bool stepped; // a step was done in this call
+    bool twice;   // all caps were read twice to begin with
 };
 
 static bool is_better(uint64_t slope_q32, uint64_t than_q32) {
@@ -108,26 +120,47 @@ static void begin_walk(struct rectangle_walk *walk, struct rectangle_place place
     *walk = (struct rectangle_walk){.place = place, .step_bam32 = step_bam32, .fresh = true};
 }
 
+/// Does a walk follow caps that move? It has the time of one step or two, and need not be exact.
+static bool is_rough(const struct run *run, const struct rectangle_walk *walk) {
+    return run->input->moved && run->input->work_limit != 0U && walk == &run->search->track;
+}
+
 /// How far the best tilt may be off after a step: some times as far.
-static uint32_t reach_of(const struct rectangle_walk *walk) {
-    return walk->wide || walk->step_bam32 >= UINT32_C(1) << 13 ? 0U : 4U * walk->step_bam32;
+static uint32_t reach_of(const struct run *run, const struct rectangle_walk *walk) {
+    return walk->wide || (walk->step_bam32 >= UINT32_C(1) << 13 && !is_rough(run, walk))
+               ? 0U
+               : 4U * walk->step_bam32;
+}
+
+/// How near to the best tilt a step need come.
+static uint32_t least_of(const struct run *run, const struct rectangle_walk *walk) {
+    const uint32_t part = walk->step_bam32 / ROUGH_PART;
+    return !is_rough(run, walk) || part == 0U ? 1U : part < ROUGH_MOST ? part : ROUGH_MOST;
+}
+
+static uint32_t larger_step(uint32_t step_bam32, bool rough) {
+    const uint32_t most = rough ? STEP_ROUGH_MOST : STEP_MOST;
+    return step_bam32 < most ? 2U * step_bam32 : step_bam32;
 }
 
 /// One pan.
 static void step(struct run *run, struct rectangle_walk *walk) {
+    const bool rough = is_rough(run, walk);
+    walk->fresh = walk->fresh || (walk->rough && !rough);
+    walk->rough = rough;
     struct rectangle_place place = walk->place;
     if (!walk->fresh) {
         place.pan_bam32 += walk->backward ? 0U - walk->step_bam32 : walk->step_bam32;
     }
     run->stepped = true;
-    if (!rectangle_best_tilt(&run->view, &place, reach_of(walk))) {
+    if (!rectangle_best_tilt(&run->view, &place, reach_of(run, walk), least_of(run, walk)) &&
+        !rough) {
         walk->wide = true;
         return;
     }
     walk->wide = false;
     if (walk->fresh || place.slope_q32 < walk->place.slope_q32) {
-        walk->step_bam32 =
-            !walk->fresh && walk->step_bam32 < STEP_MOST ? 2U * walk->step_bam32 : walk->step_bam32;
+        walk->step_bam32 = walk->fresh ? walk->step_bam32 : larger_step(walk->step_bam32, rough);
         walk->place = place;
         walk->fresh = walk->failed = false;
         return;
@@ -138,7 +171,7 @@ static void step(struct run *run, struct rectangle_walk *walk) {
 }
 
 static uint32_t work_of_step(const struct run *run, const struct rectangle_walk *walk) {
-    return rectangle_tilt_work(&run->view, reach_of(walk));
+    return rectangle_tilt_work(&run->view, reach_of(run, walk), least_of(run, walk));
 }
 
 /// Takes a walk's place for the best one if it is. Returns whether caps were added that ask for
@@ -162,12 +195,20 @@ enum progress { PROGRESS_ENDED, PROGRESS_LIMIT };
 /// next call.
 static enum progress go_on(struct run *run, struct rectangle_walk *walk, uint64_t worth_shift,
                            uint32_t reserve) {
-    for (;;) {
+    for (bool walked = false;;) {
         while (walk->step_bam32 >= STEP_LEAST) {
-            if (is_over_limit(run, work_of_step(run, walk) + reserve)) {
-                return PROGRESS_LIMIT;
+            // Else caps that move in every call would leave it behind.
+            const bool must = !walked && !run->twice && is_rough(run, walk);
+            const uint32_t more = walked ? reserve : 0U, less = must ? SLACK : 0U;
+            if (is_over_limit(run, work_of_step(run, walk) + more - less)) {
+                if (!must || walk->step_bam32 <= STEP_MOVED) {
+                    return PROGRESS_LIMIT;
+                }
+                walk->step_bam32 /= 2U; // costs less
+                continue;
             }
             step(run, walk);
+            walked = true;
         }
         if (is_over_limit(run, work_of_reading(run))) {
             return PROGRESS_LIMIT;
@@ -210,7 +251,7 @@ static void next_part(struct rectangle_search *search) {
 
 static uint64_t slope_at(struct run *run, uint32_t pan_bam32) {
     struct rectangle_place place = {.pan_bam32 = pan_bam32};
-    (void)rectangle_best_tilt(&run->view, &place, 0);
+    (void)rectangle_best_tilt(&run->view, &place, 0, 1);
     run->stepped = true;
     return place.slope_q32;
 }
@@ -229,7 +270,7 @@ static void look_at_part(struct run *run, uint64_t worth_shift) {
     const uint64_t best_q32 = search->best.slope_q32,
                    worth_q32 = worth_shift != 0U ? best_q32 >> worth_shift : 0U;
     struct rectangle_place middle = {.pan_bam32 = search->part_bam32 + width / 2U};
-    (void)rectangle_best_tilt(&run->view, &middle, 0);
+    (void)rectangle_best_tilt(&run->view, &middle, 0, 1);
     run->stepped = true;
     if (rectangle_is_no_better(&run->view, &middle, width / 2U, best_q32)) {
         next_part(search);
@@ -274,7 +315,7 @@ static void seek(struct run *run) {
             search->descended = true;
             continue;
         }
-        if (is_over_limit(run, rectangle_tilt_work(&run->view, 0) + RECTANGLE_BOUND_WORK)) {
+        if (is_over_limit(run, rectangle_tilt_work(&run->view, 0, 1) + RECTANGLE_BOUND_WORK)) {
             return;
         }
         if (search->neighbours != 0U) {
@@ -302,10 +343,36 @@ void rectangle_begin(struct rectangle_search *search, const struct rectangle_bas
     begin_turn(search);
 }
 
+static uint64_t measure(struct run *run, struct rectangle_place *place) {
+    bool added;
+    place->slope_q32 = read_all(run, place, &added);
+    return place->slope_q32;
+}
+
+/// Measures the best place on every cap: where a walk has come to, unless that turns out to be much
+/// worse than where it left from (which is not looked at again if there is no time for it).
+static void measure_best(struct run *run) {
+    struct rectangle_search *const search = run->search;
+    struct rectangle_place walked = search->track.place;
+    struct rectangle_place *const best = &search->best;
+    if (search->tracking && !search->track.fresh) {
+        const uint64_t most_q32 = best->slope_q32 + (best->slope_q32 >> WORSE_SHIFT);
+        const uint64_t slope_q32 = measure(run, &walked);
+        const bool late = is_over_limit(run, work_of_reading(run));
+        if (slope_q32 <= most_q32 || (late && slope_q32 != UINT64_MAX)) {
+            *best = walked;
+            return;
+        }
+        run->twice = true;
+    }
+    if (measure(run, best) > walked.slope_q32 && run->twice) {
+        *best = walked;
+    }
+}
+
 /// The caps have moved: the best place is measured anew, and followed from there.
 static bool take_motion(struct run *run) {
     struct rectangle_search *const search = run->search;
-    bool added;
     if (search->working_count > RECTANGLE_WORKING_KEPT) {
         const uint32_t dropped = search->working_count - RECTANGLE_WORKING_KEPT;
         for (uint32_t i = 0; i < RECTANGLE_WORKING_KEPT; i++) {
@@ -314,7 +381,7 @@ static bool take_motion(struct run *run) {
         search->working_count = RECTANGLE_WORKING_KEPT;
         load(run);
     }
-    search->best.slope_q32 = read_all(run, &search->best, &added);
+    measure_best(run);
     if (search->working_count == 0U) { // all in the middle
         (void)keep(search, run->input->member == NULL ? 0U : run->input->member[0]);
         load(run);
@@ -328,9 +395,14 @@ static bool take_motion(struct run *run) {
     }
     search->stale = true;
     search->descent.fresh = true;
-    if (search->tracking) { // goes on from where it is
-        search->track.fresh = true;
-        search->track.step_bam32 = search->track.step_bam32 < 64U ? 64U : search->track.step_bam32;
+    if (search->tracking) { // goes on from there; what it needs there is known
+        struct rectangle_walk *const track = &search->track;
+        track->place = search->best;
+        track->fresh = track->wide = false;
+        track->rounds = 0;
+        track->step_bam32 = track->step_bam32 < 64U               ? 64U
+                            : track->step_bam32 > STEP_ROUGH_MOST ? STEP_ROUGH_MOST
+                                                                  : track->step_bam32;
     } else {
         search->tracking = true;
         begin_walk(&search->track, search->best, STEP_MOVED);

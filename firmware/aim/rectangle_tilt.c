@@ -181,11 +181,11 @@ static void turn_to(struct rectangle_view *view, uint32_t pan_bam32) {
     }
 }
 
-/// To 2^15 BAM, over all tilts.
-static int32_t coarse_tilt(struct rectangle_view *view) {
-    int32_t c = Q30_ONE, s = 0;
-    int32_t tilt = 0;
-    for (uint32_t i = 0; i < COARSE_STEPS; i++) {
+/// To 2^15 BAM, by at most a quarter turn / 2^first to either side.
+static int32_t coarse_tilt(struct rectangle_view *view, int32_t tilt, uint32_t first) {
+    const struct sincos from = trig_sincos(bam32((uint32_t)tilt));
+    int32_t c = from.cos_q30, s = from.sin_q30;
+    for (uint32_t i = first; i < COARSE_STEPS; i++) {
         const bool upward = demand_at(view, c, s).upward;
         const int32_t sin = upward ? halves[i].sin_q30 : -halves[i].sin_q30,
                       cos = halves[i].cos_q30;
@@ -199,7 +199,8 @@ static int32_t coarse_tilt(struct rectangle_view *view) {
 }
 
 /// From a tilt, by at most twice the reach to either side.
-static struct demand fine_tilt(struct rectangle_view *view, int32_t *tilt, uint32_t reach_bam32) {
+static struct demand fine_tilt(struct rectangle_view *view, int32_t *tilt, uint32_t reach_bam32,
+                               uint32_t least_bam32) {
     const struct sincos from = trig_sincos(bam32((uint32_t)*tilt));
     int64_t offset = 0;
     for (uint32_t step = reach_bam32;; step /= 2U) {
@@ -210,7 +211,7 @@ static struct demand fine_tilt(struct rectangle_view *view, int32_t *tilt, uint3
         const int64_t s =
             from.sin_q30 + (from.cos_q30 * rad_q40 >> 40) - (from.sin_q30 * half_square_q30 >> 30);
         const struct demand demand = demand_at(view, (int32_t)c, (int32_t)s);
-        if (step == 0U) {
+        if (step < least_bam32) {
             *tilt += (int32_t)offset;
             return demand;
         }
@@ -218,31 +219,33 @@ static struct demand fine_tilt(struct rectangle_view *view, int32_t *tilt, uint3
     }
 }
 
-uint32_t rectangle_tilt_work(const struct rectangle_view *view, uint32_t reach_bam32) {
-    const uint32_t steps =
+uint32_t rectangle_tilt_work(const struct rectangle_view *view, uint32_t reach_bam32,
+                             uint32_t least_bam32) {
+    const uint32_t all =
         reach_bam32 == 0U ? COARSE_STEPS + FINE_STEPS + 1U : 65U - u64_leading_zeros(reach_bam32);
+    const uint32_t steps = all + u64_leading_zeros(least_bam32) - 63U;
     return view->input->radius == NULL ? steps * (14U + 3U * (view->count + 1U)) + 70U
                                        : steps * (48U + 6U * (view->count + 1U)) + 90U;
 }
 
 bool rectangle_best_tilt(struct rectangle_view *view, struct rectangle_place *place,
-                         uint32_t reach_bam32) {
+                         uint32_t reach_bam32, uint32_t least_bam32) {
+    const int64_t from = place->tilt_bam32, most = 2 * ((int64_t)reach_bam32 - least_bam32);
     int32_t tilt = place->tilt_bam32;
+    uint32_t reach = reach_bam32;
     turn_to(view, place->pan_bam32);
-    view->work += rectangle_tilt_work(view, reach_bam32);
-    if (reach_bam32 == 0U) {
-        tilt = coarse_tilt(view);
+    view->work += rectangle_tilt_work(view, reach_bam32, least_bam32);
+    if (reach_bam32 == 0U || reach_bam32 > FINE_REACH_BAM) {
+        tilt = reach_bam32 == 0U ? coarse_tilt(view, 0, 0)
+                                 : coarse_tilt(view, tilt, u64_leading_zeros(reach_bam32) - 34U);
+        reach = FINE_REACH_BAM;
     }
-    const uint32_t reach = reach_bam32 == 0U ? FINE_REACH_BAM : reach_bam32;
-    const int64_t from = tilt, most = 2 * (int64_t)reach - 2;
-    const struct demand demand = fine_tilt(view, &tilt, reach);
-    if (reach_bam32 != 0U && (demand.behind || tilt - from >= most || tilt - from <= -most ||
-                              tilt > QUARTER_TILT || tilt < -QUARTER_TILT)) {
-        return false; // not there
-    }
+    const struct demand demand = fine_tilt(view, &tilt, reach, least_bam32);
+    const bool beyond = reach_bam32 != 0U && (tilt > QUARTER_TILT || tilt < -QUARTER_TILT);
     place->tilt_bam32 = tilt;
-    place->slope_q32 = demand.behind ? UINT64_MAX : slope_q32(demand.num, demand.den);
-    return true;
+    place->slope_q32 = demand.behind || beyond ? UINT64_MAX : slope_q32(demand.num, demand.den);
+    return reach_bam32 == 0U ||
+           (!demand.behind && !beyond && tilt - from < most && tilt - from > -most);
 }
 
 // ---------------------------------------------------------------- every cap

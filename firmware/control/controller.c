@@ -85,7 +85,6 @@ bool controller_init(struct controller *c, const struct controller_config *confi
     c->refining_ticks = c->full_ticks = 0;
     c->framed_version = c->targets.version;
     c->zoom_version = c->framed_version - 1U; // worked out for nothing so far
-    c->zoom_focal_um = 0;
     c->zoom_joints = (struct mount_joints){0};
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct controller_axis_config *settings = &config->axis[axis];

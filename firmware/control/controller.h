@@ -199,8 +199,7 @@ struct controller {
     enum controller_mode mode;
     uint32_t faults;
     uint8_t fault_axis;
-    uint32_t zoom_focal_um; ///< of the zoom goal, and what it was worked out for:
-    struct mount_joints zoom_joints;
+    struct mount_joints zoom_joints; ///< that the zoom goal was worked out for
     uint32_t zoom_version;
     uint32_t updates_rejected, frames_ignored, aims_solved;
 };

@@ -60,12 +60,12 @@ static void aim_zoom(struct controller *c) {
     c->zoom_joints = joints;
     const struct framing *framing = &c->framing;
     const bam32_t error = pointing_error(c, joints);
-    c->zoom_focal_um =
+    const uint32_t focal_um =
         c->config->frame == CONTROLLER_FRAME_RECT
             ? lens_focal_of_picture_um(&c->config->lens, widened(framing->half_width_bam32, error),
                                        widened(framing->half_height_bam32, error))
             : lens_focal_um(&c->config->lens, widened(framing->half_angle_bam32, error));
-    c->goal_q48[AXIS_ZOOM] = lens_position_q48(&c->config->lens, c->zoom_focal_um);
+    c->goal_q48[AXIS_ZOOM] = lens_position_q48(&c->config->lens, focal_um);
 }
 
 /// A search that is not finished has a cone that holds everything, but its axis may be degrees away

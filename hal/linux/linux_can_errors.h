@@ -1,5 +1,5 @@
 /// What the error frames of SocketCAN and of gs_usb adapters say, which is the same, as the state
-/// of hal/can.h. For linux_can.c and linux_gs_usb.c only.
+/// of hal/can.h. For the CAN drivers of this folder only.
 #ifndef HAL_LINUX_CAN_ERRORS_H
 #define HAL_LINUX_CAN_ERRORS_H
 

@@ -1,5 +1,7 @@
 #include "linux/linux_slcan.h"
 
+#include "linux/linux_can_errors.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -37,14 +39,10 @@ static enum hal_status flush(struct linux_slcan *slcan) {
     return HAL_OK;
 }
 
-/// All or nothing.
-static bool put(struct linux_slcan *slcan, const char *text, size_t size) {
-    if (sizeof slcan->out - slcan->out_size < size) {
-        return false;
-    }
-    memcpy(slcan->out + slcan->out_size, text, size);
-    slcan->out_size += size;
-    return true;
+/// Only when nothing waits, or what waits is of no use any more: a line always has room.
+static void put(struct linux_slcan *slcan, const char *text, size_t size) {
+    memcpy(slcan->out, text, size);
+    slcan->out_size = size;
 }
 
 static size_t format(const struct can_frame *frame, char *text, size_t capacity) {
@@ -82,7 +80,8 @@ static enum hal_status linux_slcan_send(void *ctx, const struct can_frame *frame
         return status;
     }
     // The port took its beginning: the rest is ours to send, before anything else.
-    return put(slcan, text + written, size - written) ? HAL_OK : HAL_ERROR_IO;
+    put(slcan, text + written, size - written);
+    return HAL_OK;
 }
 
 // ---------------------------------------------------------------- in
@@ -147,20 +146,13 @@ static void enqueue(struct linux_slcan *slcan, const struct can_frame *frame) {
     slcan->count++;
 }
 
-static void set_health(struct linux_slcan *slcan, enum hal_can_health health) {
-    static const uint16_t stand_in[] = {
-        [HAL_CAN_ACTIVE] = 0, [HAL_CAN_PASSIVE] = 128, [HAL_CAN_OFF] = 256};
-    slcan->state.health = health;
-    slcan->state.transmit_error_count = stand_in[health];
-    slcan->state.receive_error_count = health == HAL_CAN_PASSIVE ? 128 : 0;
-}
-
 static void take_flags(struct linux_slcan *slcan, uint32_t flags) {
     slcan->answers_flags = true;
     slcan->flags_pending = false;
     slcan->state.lost_count += (flags & FLAG_OVERRUN) != 0U;
     if (slcan->state.health != HAL_CAN_OFF) {
-        set_health(slcan, (flags & FLAG_PASSIVE) != 0U ? HAL_CAN_PASSIVE : HAL_CAN_ACTIVE);
+        linux_can_set_health(&slcan->state,
+                             (flags & FLAG_PASSIVE) != 0U ? HAL_CAN_PASSIVE : HAL_CAN_ACTIVE);
     }
 }
 
@@ -171,7 +163,7 @@ static void take_refusal(struct linux_slcan *slcan) {
     }
     slcan->refusals++;
     if (slcan->refusals == REFUSALS_MAX) {
-        set_health(slcan, HAL_CAN_OFF);
+        linux_can_set_health(&slcan->state, HAL_CAN_OFF);
         linux_error_set(&slcan->error, slcan->serial.path, "the adapter takes no frames",
                         "check cable, termination and bit rate; its channel is opened again");
     }
@@ -226,8 +218,9 @@ static enum hal_status listen(struct linux_slcan *slcan) {
 
 static void ask_flags(struct linux_slcan *slcan) {
     const uint32_t now_us = hal_clock_now_us(slcan->clock);
-    if (slcan->answers_flags && now_us - slcan->flags_asked_us >= FLAGS_EVERY_US &&
-        put(slcan, "F\r", 2)) {
+    if (slcan->answers_flags && slcan->out_size == 0U &&
+        now_us - slcan->flags_asked_us >= FLAGS_EVERY_US) {
+        put(slcan, "F\r", 2);
         slcan->flags_asked_us = now_us;
         slcan->flags_pending = true;
     }
@@ -286,12 +279,13 @@ static enum hal_status linux_slcan_set_filters(void *ctx, const struct hal_can_f
 
 /// Old text is forgotten, the channel closed, its bit rate set, opened. The first carriage return
 /// ends whatever the adapter has half of.
-static bool put_opening(struct linux_slcan *slcan) {
+static enum hal_status open_channel(struct linux_slcan *slcan) {
     char text[24];
     const int size = snprintf(text, sizeof text, "\r\rC\rS%c\rO\rF\r", slcan->speed);
-    slcan->out_size = 0;
     slcan->flags_pending = true;
-    return put(slcan, text, (size_t)size);
+    put(slcan, text, (size_t)size);
+    const enum hal_status status = flush(slcan);
+    return status == HAL_BUSY ? HAL_OK : status;
 }
 
 static enum hal_status linux_slcan_restart(void *ctx) {
@@ -302,10 +296,9 @@ static enum hal_status linux_slcan_restart(void *ctx) {
     if (slcan->state.health != HAL_CAN_OFF) {
         return HAL_OK;
     }
-    set_health(slcan, HAL_CAN_ACTIVE);
+    linux_can_set_health(&slcan->state, HAL_CAN_ACTIVE);
     slcan->refusals = 0;
-    const enum hal_status status = put_opening(slcan) ? flush(slcan) : HAL_ERROR_IO;
-    return status == HAL_BUSY ? HAL_OK : status;
+    return open_channel(slcan);
 }
 
 static const struct hal_can_ops ops = {linux_slcan_send, linux_slcan_receive, linux_slcan_state,
@@ -333,8 +326,7 @@ enum hal_status linux_slcan_open(struct linux_slcan *slcan, const char *path, ui
         status = HAL_ERROR_ARGUMENT;
     }
     if (status == HAL_OK) {
-        status = put_opening(slcan) ? flush(slcan) : HAL_ERROR_IO;
-        status = status == HAL_BUSY ? HAL_OK : status;
+        status = open_channel(slcan);
     }
     if (status != HAL_OK) {
         linux_serial_close(&slcan->serial);
@@ -343,7 +335,8 @@ enum hal_status linux_slcan_open(struct linux_slcan *slcan, const char *path, ui
 }
 
 void linux_slcan_close(struct linux_slcan *slcan) {
-    if (!is_gone(slcan) && flush(slcan) == HAL_OK && put(slcan, "C\r", 2)) {
+    if (!is_gone(slcan) && flush(slcan) == HAL_OK) {
+        put(slcan, "C\r", 2);
         (void)flush(slcan);
     }
     linux_serial_close(&slcan->serial);

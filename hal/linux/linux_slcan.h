@@ -19,8 +19,8 @@
 
 /// Received frames that wait to be taken; further ones are lost and counted.
 #define LINUX_SLCAN_QUEUE 64U
-/// Room for text that the port has not taken yet: 18 of the longest frames.
-#define LINUX_SLCAN_OUT_BYTES 512U
+/// Room for the line that the port has not taken yet; the longest has 27 bytes.
+#define LINUX_SLCAN_OUT_BYTES 40U
 
 struct linux_slcan {
     struct hal_can hal;

@@ -197,7 +197,7 @@ static void notice_departure(struct linux_usb *usb) {
 
 /// Lets libusb look, without waiting.
 static int look(struct linux_usb *usb) {
-    struct timeval now = {0, 0};
+    struct timeval now = {0, 0}; // the same in 32 and in 64 bits, whichever libusb was built with
     const int code = libusb_handle_events_timeout_completed(usb->context, &now, NULL);
     return code == LIBUSB_ERROR_INTERRUPTED ? 0 : code;
 }
@@ -405,9 +405,10 @@ static void cancel_all(struct linux_usb *usb) {
         }
     }
     for (int i = 0; i < CLOSE_TRIES && usb->pending_count > 0U; i++) {
-        struct timeval patience = {0, 10000};
+        struct pollfd ended = {usb->fd, POLLOUT, 0};
+        (void)look(usb);
         if (usb->done_count == 0U) {
-            (void)libusb_handle_events_timeout_completed(usb->context, &patience, NULL);
+            (void)poll(&ended, 1, 10);
         }
         struct hal_usb_transfer *done;
         while (usb->done_count > 0U && linux_usb_poll(usb, &done) == HAL_OK) {

@@ -8,7 +8,7 @@ cpu_test_c := $(wildcard tests/mcu/cpu/*.c)
 chip_test_c := $(wildcard tests/mcu/*.c)
 
 # Without libunicorn there is no boresight-mcu: `make emulator` and `make check` install it.
-unicorn := $(wildcard /usr/include/unicorn/unicorn.h)
+unicorn := $(wildcard $(sysroot)/usr/include/unicorn/unicorn.h)
 mcu_runs := $(foreach v,gcc san,$(chip_test_c:%.c=$(v)/%))
 ifneq ($(unicorn),)
 mcu_runs += $(cpu_test_c:%.c=gcc/%)

@@ -181,7 +181,6 @@ static struct layout_field controller_fields[] = {
     ENUM(controller, mode),
     SAME(controller, faults),
     SAME(controller, fault_axis),
-    SAME(controller, zoom_focal_um),
     SAME(controller, zoom_joints),
     SAME(controller, zoom_version),
     SAME(controller, updates_rejected),

@@ -189,22 +189,39 @@ static void comparison_and_scaling(void) {
     mpz_clear(wanted);
 }
 
+static bool fixed_is(const struct decimal *value, int32_t places, int64_t wanted) {
+    struct i128 fixed;
+    return decimal_fixed(value, places, &fixed) && i128_cmp(fixed, i128_from_i64(wanted)) == 0;
+}
+
 static void degrees_in_fixed_point(void) {
     struct decimal value;
-    int128 fixed;
+    struct i128 fixed;
+    int64_t whole;
     CHECK_EQ(read_text("-12.5", &value), DECIMAL_OK);
-    CHECK(decimal_fixed(&value, 3, &fixed) && fixed == -12500);
+    CHECK(fixed_is(&value, 3, -12500));
+    CHECK(decimal_whole(&value, &whole) && whole == -12);
     CHECK_EQ(read_text("0.00049999", &value), DECIMAL_OK);
-    CHECK(decimal_fixed(&value, 3, &fixed) && fixed == 0);
+    CHECK(fixed_is(&value, 3, 0));
     CHECK_EQ(read_text("1e-200", &value), DECIMAL_OK);
-    CHECK(decimal_fixed(&value, 27, &fixed) && fixed == 0);
+    CHECK(fixed_is(&value, 27, 0));
     CHECK_EQ(read_text("9999999999.9", &value), DECIMAL_OK);
     CHECK(decimal_fixed(&value, 27, &fixed));
     CHECK_EQ(read_text("1e10", &value), DECIMAL_OK);
     CHECK(!decimal_fixed(&value, 27, &fixed));
     // More digits than an integer holds: cut, not wrapped.
     CHECK_EQ(read_text("1.99999999999999999999999999999999999999999999999", &value), DECIMAL_OK);
-    CHECK(decimal_fixed(&value, 3, &fixed) && fixed == 1999);
+    CHECK(fixed_is(&value, 3, 1999));
+    CHECK_EQ(read_text("-9223372036854775808", &value), DECIMAL_OK);
+    CHECK(decimal_whole(&value, &whole) && whole == INT64_MIN);
+    CHECK_EQ(read_text("9223372036854775807.5", &value), DECIMAL_OK);
+    CHECK(decimal_whole(&value, &whole) && whole == INT64_MAX);
+    for (int negative = 0; negative < 2; negative++) { // one too many, and 2^64
+        CHECK_EQ(read_text(&"-9223372036854775809"[1 - negative], &value), DECIMAL_OK);
+        CHECK(!decimal_whole(&value, &whole));
+        CHECK_EQ(read_text(&"-18446744073709551616"[1 - negative], &value), DECIMAL_OK);
+        CHECK(!decimal_whole(&value, &whole));
+    }
 }
 
 // ---------------------------------------------------------------- directions
@@ -378,33 +395,35 @@ static void long_directions_depend_on_nothing_but_the_direction(void) {
 
 // ---------------------------------------------------------------- degrees
 
-static int128 degrees(int64_t whole, int64_t millionths) {
-    const int128 unit = (int128)decimal_power10(DIRECTION_DEGREE_PLACES - 6);
-    return (whole * (int128)1000000 + millionths) * unit;
+static struct i128 degrees(int64_t whole, int64_t millionths) {
+    const int64_t value = whole * 1000000 + millionths;
+    const struct u128 unit = decimal_power10(DIRECTION_DEGREE_PLACES - 6);
+    return i128_with_sign(u128_product(u128_of(u64_abs(value)), unit), value < 0);
 }
 
 static void the_sky(void) {
     struct direction got, opposite;
-    direction_from_degrees(degrees(90, 0), 0, &got);
+    direction_from_degrees(degrees(90, 0), degrees(0, 0), &got);
     CHECK(vec3_equal(got.coarse, vec3(0, 1 << 30, 0)));
-    direction_from_degrees(degrees(-540, 0), 0, &got);
+    direction_from_degrees(degrees(-540, 0), degrees(0, 0), &got);
     CHECK(vec3_equal(got.coarse, vec3(-(1 << 30), 0, 0)));
     direction_from_degrees(degrees(77, 123456), degrees(90, 0), &got);
     CHECK(vec3_equal(got.coarse, vec3(0, 0, 1 << 30)));
-    direction_from_degrees(0, degrees(30, 0), &got); // sin 30 = 1/2, to half a unit of 2^-31
+    direction_from_degrees(degrees(0, 0), degrees(30, 0),
+                           &got); // sin 30 = 1/2, to half a unit of 2^-31
     CHECK_EQ(got.coarse.z, 1 << 30);
     for (int i = 0; i < 20000 && check_clean(); i++) {
         const bool corner = i % 4 == 0; // multiples of 45 degrees too
-        const int128 a = corner ? degrees(45 * (int64_t)below(9), 0)
-                                : degrees((int64_t)below(360), (int64_t)below(1000000));
-        const int128 d = corner ? degrees(45 * (int64_t)below(5) - 90, 0)
-                                : degrees((int64_t)below(180) - 90, (int64_t)below(1000000));
+        const struct i128 a = corner ? degrees(45 * (int64_t)below(9), 0)
+                                     : degrees((int64_t)below(360), (int64_t)below(1000000));
+        const struct i128 d = corner ? degrees(45 * (int64_t)below(5) - 90, 0)
+                                     : degrees((int64_t)below(180) - 90, (int64_t)below(1000000));
         direction_from_degrees(a, d, &got);
-        direction_from_degrees(a + degrees(180, 0), -d, &opposite);
+        direction_from_degrees(i128_add(a, degrees(180, 0)), i128_neg(d), &opposite);
         CHECK(vec3_equal(opposite.coarse, vec3_neg(got.coarse)));
         CHECK(opposite.fine.x == -got.fine.x && opposite.fine.y == -got.fine.y &&
               opposite.fine.z == -got.fine.z);
-        direction_from_degrees(a - degrees(720, 0), d, &opposite);
+        direction_from_degrees(i128_sub(a, degrees(720, 0)), d, &opposite);
         CHECK(equal(got, opposite));
     }
 }

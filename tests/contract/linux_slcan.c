@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <termios.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 static struct linux_clock clock_;
@@ -25,11 +25,28 @@ struct adapter {
     size_t size;
     char heard[4096]; ///< everything that the driver sent
     size_t heard_size;
+    uint32_t marks; ///< that have come
 };
 static struct adapter a, b;
 
+/// A byte that the driver never sends. The kernel takes its time, but keeps the order: when it has
+/// come, all that the driver sent before has.
+#define MARK '\001'
+
+/// What the driver could read now; -1: it has no port open.
+static int readable(const struct adapter *adapter) {
+    int count;
+    return ioctl(adapter->port.serial.fd, FIONREAD, &count) == 0 ? count : -1;
+}
+
+/// Returns when the driver can read it: the kernel takes its time.
 static void say(struct adapter *adapter, const char *text, size_t size) {
+    const int before = readable(adapter);
     CHECK_EQ(write(adapter->master, text, size), size);
+    for (int i = 0; i < 300000 && before >= 0 && readable(adapter) < before + (int)size; i++) {
+        usleep(100);
+    }
+    CHECK(before < 0 || readable(adapter) == before + (int)size);
 }
 
 static void obey(struct adapter *adapter, struct adapter *other) {
@@ -70,6 +87,10 @@ static void serve(struct adapter *adapter, struct adapter *other) {
     const ssize_t count = read(adapter->master, bytes, sizeof bytes);
     CHECK(count > 0 || errno == EAGAIN || errno == EIO);
     for (ssize_t i = 0; i < count; i++) {
+        if (bytes[i] == MARK) {
+            adapter->marks++;
+            continue;
+        }
         if (adapter->heard_size < sizeof adapter->heard - 1U) {
             adapter->heard[adapter->heard_size++] = bytes[i];
         }
@@ -81,14 +102,25 @@ static void serve(struct adapter *adapter, struct adapter *other) {
     }
 }
 
-/// Until nothing has come for a millisecond.
+/// Until everything that a driver has sent is there and served.
+static void settle_one(struct adapter *adapter, struct adapter *other) {
+    const int port = adapter->port.serial.fd;
+    const uint32_t marks = adapter->marks;
+    bool marked = readable(adapter) < 0;
+    for (int i = 0; i < 30000 && (!marked || (readable(adapter) >= 0 && adapter->marks == marks));
+         i++) {
+        marked = marked || write(port, &(char){MARK}, 1) == 1; // not while it is full
+        struct pollfd ready = {.fd = adapter->master, .events = POLLIN};
+        (void)poll(&ready, 1, 1);
+        serve(adapter, other);
+    }
+    CHECK(readable(adapter) < 0 || adapter->marks == marks + 1U);
+}
+
 static void settle(void *context) {
     (void)context;
-    struct pollfd ends[] = {{.fd = a.master, .events = POLLIN}, {.fd = b.master, .events = POLLIN}};
-    while (poll(ends, 2, 1) > 0 && ((ends[0].revents | ends[1].revents) & POLLIN) != 0) {
-        serve(&a, &b);
-        serve(&b, &a);
-    }
+    settle_one(&a, &b);
+    settle_one(&b, &a);
 }
 
 static void plug_in(struct adapter *adapter) {
@@ -118,6 +150,10 @@ static void reset(void *context) {
 /// What the driver has said since the last time.
 static void expect_heard(struct adapter *adapter, const char *wanted) {
     settle(NULL);
+    for (int i = 0; i < 300000 && adapter->heard_size < strlen(wanted); i++) {
+        usleep(100); // of a port that is closed
+        serve(adapter, adapter == &a ? &b : &a);
+    }
     adapter->heard[adapter->heard_size] = '\0';
     if (!CHECK(strcmp(adapter->heard, wanted) == 0)) {
         printf("  heard %s\n", adapter->heard);
@@ -158,8 +194,16 @@ static void text_of_opening_and_closing(void) {
     linux_slcan_close(&a.port);
     expect_heard(&a, "C\r");
     CHECK(!a.open);
-    CHECK_EQ(linux_slcan_open(&a.port, a.path, 125000, &clock_.hal), HAL_OK);
-    expect_heard(&a, "\r\rC\rS4\rO\rF\r");
+    static const uint32_t speeds[] = {10000,  20000,  50000,  100000, 125000,
+                                      250000, 500000, 800000, 1000000};
+    for (unsigned i = 0; i < 9U; i++) {
+        CHECK_EQ(linux_slcan_open(&a.port, a.path, speeds[i], &clock_.hal), HAL_OK);
+        char wanted[] = "\r\rC\rS0\rO\rF\r";
+        wanted[5] = (char)('0' + i);
+        expect_heard(&a, wanted);
+        linux_slcan_close(&a.port);
+        expect_heard(&a, "C\r");
+    }
 }
 
 /// Lower case, time stamps; and what is no frame, of which nothing comes.
@@ -174,11 +218,9 @@ static void text_that_is_received(void) {
     uint32_t at_us;
     say(&a, bad, sizeof bad - 1U);
     settle(NULL);
-    usleep(5000);
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
     say(&a, good, sizeof good - 1U);
     settle(NULL);
-    usleep(5000);
     const struct can_frame wanted[] = {
         {0x123, 0, 4, {10, 11, 12, 13}},
         {0x18DAF110, CAN_FRAME_EXTENDED, 8, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}},
@@ -204,13 +246,11 @@ static void random_bytes(void) {
             bytes[i] = alphabet[check_random(&seed) % (sizeof alphabet - 1U)];
         }
         say(&a, bytes, sizeof bytes);
-        usleep(200);
         while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
             CHECK(can_frame_is_valid(&got));
         }
     }
     say(&a, "\rt00101\r\rt0021EE\r", 17);
-    usleep(5000);
     bool understood = false;
     while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
         understood = got.id == 2U && got.length == 1U && got.data[0] == 0xEE;
@@ -220,28 +260,54 @@ static void random_bytes(void) {
 
 // ---------------------------------------------------------------- the adapter's state
 
+static uint32_t hand_us;
+static uint32_t hand_now_us(void *ctx) {
+    (void)ctx;
+    return hand_us;
+}
+/// A clock that is set by hand.
+static struct hal_clock hand;
+
+/// What the adapter answers to the flags command is state, bit by bit.
+static void flags_are_state(void) {
+    reset(NULL);
+    struct can_frame got;
+    uint32_t at_us, lost = 0;
+    struct hal_can_state state;
+    for (unsigned bit = 0; bit < 8U; bit++) {
+        char text[8];
+        snprintf(text, sizeof text, "F%02X\r", 1U << bit);
+        say(&a, text, 4);
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        lost += bit == 3U;
+        CHECK_EQ(state.lost_count, lost);
+        CHECK_EQ(state.health, bit == 5U ? HAL_CAN_PASSIVE : HAL_CAN_ACTIVE);
+        CHECK_EQ(state.transmit_error_count, bit == 5U ? 128 : 0);
+        CHECK_EQ(state.receive_error_count, bit == 5U ? 128 : 0);
+    }
+}
+
 static void flags_are_asked_for(void) {
-    plug_in(&a);
-    plug_in(&b);
-    a.flagged = true;
-    settle(NULL);
     struct can_frame got;
     uint32_t at_us;
-    struct hal_can_state state;
-    usleep(3000);
-    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
-    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
-    CHECK_EQ(state.health, HAL_CAN_PASSIVE); // 0x2C: warning, overrun, passive
-    CHECK_EQ(state.lost_count, 1);
-    a.heard_size = 0;
-    usleep(260000);
-    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
-    expect_heard(&a, "F\r");
-    CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_EMPTY);
-    b.heard_size = 0;
-    usleep(260000);
-    CHECK_EQ(hal_can_receive(&b.port.hal, &got, &at_us), HAL_EMPTY);
-    expect_heard(&b, ""); // that one does not know the command
+    for (int knows = 1; knows >= 0; knows--) { // the command
+        plug_in(&a);
+        a.flagged = knows != 0;
+        linux_slcan_close(&a.port);
+        CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand), HAL_OK);
+        settle(NULL);
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+        a.heard_size = 0;
+        for (int times = 0; times < 3; times++) {
+            hand_us += 249999;
+            CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+            expect_heard(&a, "");
+            hand_us++;
+            CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+            expect_heard(&a, knows != 0 ? "F\r" : "");
+        }
+    }
 }
 
 /// 32 refusals in a row: off the bus. A restart opens the channel, and nothing of before is sent.
@@ -275,6 +341,29 @@ static void refusals_are_bus_off(void) {
     CHECK(can_frame_equal(&got, &frame));
 }
 
+/// Refusals with obedience in between are no bus-off, whichever way the adapter obeys.
+static void refusals_count_in_a_row(void) {
+    static const char *const obeyed[] = {"\r", "z\r", "Z\r"};
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    reset(NULL);
+    for (unsigned i = 0; i < 4U; i++) {
+        for (int k = 0; k < 31; k++) {
+            say(&a, "\a", 1);
+        }
+        say(&a, i < 3U ? obeyed[i] : "zz\r", i == 0U ? 1 : i < 3U ? 2 : 3);
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        CHECK_EQ(state.health, HAL_CAN_ACTIVE);
+    }
+    say(&a, "\a", 1); // that line was not obedience
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.health, HAL_CAN_OFF);
+    CHECK(strstr(a.port.error.line, ": the adapter takes no frames; check cable") != NULL);
+}
+
 /// The port is full: not now; then everything that was taken arrives, whole and in order.
 static void full_port_is_busy(void) {
     reset(NULL);
@@ -289,8 +378,13 @@ static void full_port_is_busy(void) {
     }
     CHECK_EQ(status, HAL_BUSY);
     CHECK(taken > 10U);
+    struct can_frame other; // what comes in is taken in all the same
+    uint32_t other_us;
+    say(&a, "t12310A\r", 8);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &other, &other_us), HAL_OK);
+    CHECK_EQ(other.id, 0x123);
     uint32_t arrived = 0;
-    for (int i = 0; i < 2000 && arrived < taken; i++) {
+    for (int i = 0; i < 300000 && arrived < taken; i++) {
         struct can_frame got;
         uint32_t at_us;
         serve(&a, &b);
@@ -303,6 +397,16 @@ static void full_port_is_busy(void) {
     }
     CHECK_EQ(arrived, taken);
     check_note("frames that the port takes", taken);
+}
+
+static void unplugged_while_listening(void) {
+    reset(NULL);
+    struct can_frame frame;
+    uint32_t at_us;
+    close(a.master);
+    a.master = -1;
+    CHECK_EQ(hal_can_receive(&a.port.hal, &frame, &at_us), HAL_ERROR_GONE);
+    CHECK(strstr(a.port.error.line, "the device has left; plug it in again") != NULL);
 }
 
 static void unplugged_and_back(void) {
@@ -334,11 +438,15 @@ static void unplugged_and_back(void) {
     CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_DENIED);
     linux_slcan_close(&a.port);
     CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_ARGUMENT);
+    CHECK_EQ(b.port.serial.fd, -1);
+    CHECK_EQ(hal_can_send(&b.port.hal, &frame), HAL_ERROR_GONE);
     CHECK(strstr(b.port.error.line, ": slcan has no bit rate of 333333; use 125000") != NULL);
 }
 
 int main(void) {
+    static const struct hal_clock_ops hand_ops = {hand_now_us};
     linux_clock_open(&clock_, UINT32_MAX - 1000000U);
+    CHECK_EQ(hal_clock_bind(&hand, &hand_ops, &hand_us), HAL_OK);
     a.master = b.master = -1;
     a.port.serial.fd = b.port.serial.fd = -1;
     reset(NULL);
@@ -352,9 +460,12 @@ int main(void) {
     CONTRACT("linux_slcan", text_of_opening_and_closing);
     CONTRACT("linux_slcan", text_that_is_received);
     CONTRACT("linux_slcan", random_bytes);
+    CONTRACT("linux_slcan", flags_are_state);
     CONTRACT("linux_slcan", flags_are_asked_for);
     CONTRACT("linux_slcan", refusals_are_bus_off);
+    CONTRACT("linux_slcan", refusals_count_in_a_row);
     CONTRACT("linux_slcan", full_port_is_busy);
+    CONTRACT("linux_slcan", unplugged_while_listening);
     CONTRACT("linux_slcan", unplugged_and_back);
     linux_slcan_close(&a.port);
     linux_slcan_close(&b.port);

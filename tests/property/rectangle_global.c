@@ -17,8 +17,9 @@
 
 static uint64_t seed = UINT64_C(0x5EED0061);
 static struct rect_set set;
-static struct vec3 centre[RECT_POINTS_MOST];
-static struct follow_radius radius[RECT_POINTS_MOST];
+#define CAPS_MOST 256 // of the controller
+static struct vec3 centre[CAPS_MOST];
+static struct follow_radius radius[CAPS_MOST];
 static struct rectangle_search search;
 static struct rectangle_workspace workspace;
 
@@ -204,6 +205,60 @@ static void wandering(bool sized, int64_t sets) {
     CHECK(worst <= 40);
 }
 
+/// Caps that all go round the pan axis, so that the best picture stays as it is and goes with them,
+/// and that move in every call. At 30 degrees a second and 1,000 calls.
+static void going_round(bool sized) {
+    static const double aspect[2] = {4, 3};
+    static const uint32_t counts[] = {1, 2, 5, 20, 100, CAPS_MOST};
+    const double step_rad = 0.03 / 57.29577951308232;
+    for (unsigned k = 0; k < 6U && check_clean(); k++) {
+        static double pan_rad[CAPS_MOST], tilt_rad[CAPS_MOST];
+        set.count = counts[k];
+        for (uint32_t i = 0; i < set.count; i++) {
+            pan_rad[i] = 0.3 * uniform();
+            tilt_rad[i] = 0.1 + 0.2 * uniform();
+            const uint32_t bam = sized ? (uint32_t)(0.02 * uniform() / rad_per_bam) : 0U;
+            const struct sincos of = trig_sincos(bam32(bam));
+            radius[i] = (struct follow_radius){bam32(bam), of.sin_q30, of.cos_q30};
+        }
+        struct rectangle_input input = input_for(sized, aspect);
+        struct rectangle_result first = {0}, result = {0};
+        double widest_rad = 0;
+        for (int call = 0; call < 3000 && check_clean(); call++) {
+            for (uint32_t i = 0; i < set.count; i++) {
+                const double pan = pan_rad[i] + call * step_rad, level = cos(tilt_rad[i]);
+                centre[i] = vec3_normalise(vec3((int32_t)(0x1p30 * sin(pan) * level),
+                                                (int32_t)(0x1p30 * cos(pan) * level),
+                                                (int32_t)(0x1p30 * sin(tilt_rad[i]))));
+            }
+            if (call == 0) {
+                rectangle_begin(&search, &input.base, centre[0]);
+                CHECK(rectangle_follow(&input, &search, &workspace, &first)); // to the end
+                input.work_limit = WORK_LIMIT;
+                input.moved = true;
+                continue;
+            }
+            CHECK(rectangle_follow(&input, &search, &workspace, &result));
+            CHECK(result.work <= WORK_LIMIT * 2U);
+            widest_rad = fmax(widest_rad, ((double)result.half_width_bam32.bam -
+                                           (double)first.half_width_bam32.bam) *
+                                              rad_per_bam);
+        }
+        check_note("caps that go round", set.count);
+        check_note("  half width above the best, 1/1000 degree, most",
+                   (int64_t)(widest_rad * 57295.77951308232));
+        CHECK(widest_rad < 0.5 / 57.29577951308232);
+    }
+}
+
+static void points_that_go_round(void) {
+    going_round(false);
+}
+
+static void caps_that_go_round(void) {
+    going_round(true);
+}
+
 static void points_that_wander(void) {
     wandering(false, 40);
 }
@@ -224,6 +279,8 @@ int main(void) {
     check_note("seed", (int64_t)seed);
     TEST(points);
     TEST(caps);
+    TEST(points_that_go_round);
+    TEST(caps_that_go_round);
     TEST(points_that_wander);
     TEST(caps_that_wander);
     return check_finish();

@@ -198,6 +198,23 @@ static void a_blocked_axis_is_not_pushed_on(void) {
     rig_is_at(AXIS_PAN, 9000);
 }
 
+/// As far from its setpoint as is allowed, and a hundredth of a degree farther, to either side.
+static void as_far_as_allowed_is_no_fault(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int more = 0; more <= 1; more++) {
+            rig_configure();
+            rig.config.follow_error_q48 = drive_q48_from_cdeg(300);
+            rig_start(0, 0x55);
+            rig_arm();
+            rig.drive[0].blocked = true;
+            rig.drive[0].angle_cdeg = sign * (300 + more);
+            rig_ticks(200);
+            CHECK_EQ(rig_mode(), more == 0 ? MODE_HOLDING : MODE_FAULTED);
+        }
+    }
+    faulted(FAULT_FOLLOWING, AXIS_PAN);
+}
+
 static void a_moment_of_lag_is_no_fault(void) {
     get_under_way();
     for (int i = 0; i < 10; i++) {
@@ -453,6 +470,7 @@ int main(void) {
     TEST(a_reported_error_stops_everything);
     TEST(an_error_before_arming_is_shown);
     TEST(a_blocked_axis_is_not_pushed_on);
+    TEST(as_far_as_allowed_is_no_fault);
     TEST(a_moment_of_lag_is_no_fault);
     TEST(an_old_angle_is_not_held);
     TEST(arming_in_the_tick_of_the_fault_is_too_early);

@@ -61,6 +61,44 @@ static void settings_that_are_not_valid(void) {
     REFUSED(axis[AXIS_ZOOM].drive.pwm.low_pulse_ns = 0);
 }
 
+/// The most that is valid, and one unit more.
+static void settings_at_a_bound(void) {
+    rig_configure();
+    static const struct vec3_i64 corner = {TARGET_POSITION_UM_MAX, TARGET_POSITION_UM_MAX,
+                                           TARGET_POSITION_UM_MAX};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const struct vec3_i64 at = {sign * corner.x, sign * corner.y, sign * corner.z};
+        rig.config.position_um = at;
+        CHECK(controller_init(&rig.controller, &rig.config));
+        REFUSED(position_um = ((struct vec3_i64){at.x + sign, at.y, at.z}));
+        REFUSED(position_um = ((struct vec3_i64){at.x, at.y + sign, at.z}));
+        REFUSED(position_um = ((struct vec3_i64){at.x, at.y, at.z + sign}));
+    }
+    const uint32_t most_um = UINT32_C(1) << 20, aspect = RECTANGLE_ASPECT_MAX;
+    const struct {
+        uint32_t width_um, height_um;
+        bool valid;
+    } pictures[] = {
+        {most_um, most_um, true},
+        {most_um + 1U, most_um, false},
+        {most_um, most_um + 1U, false},
+        {1000U * aspect, 1000, true},
+        {1000, 1000U * aspect, true},
+        {1000U * aspect + 1U, 1000, false},
+        {0, 1000, false},
+        {1000, 1000U * aspect + 1U, false},
+        {1000, 0, false},
+    };
+    for (unsigned i = 0; i < sizeof pictures / sizeof *pictures; i++) {
+        rig.config.frame = CONTROLLER_FRAME_RECT;
+        rig.config.axis[AXIS_ZOOM].drive.kind = DRIVE_NONE; // whose lens has bounds of its own
+        rig.config.lens.sensor_width_um = pictures[i].width_um;
+        rig.config.lens.sensor_height_um = pictures[i].height_um;
+        CHECK_EQ(controller_init(&rig.controller, &rig.config), pictures[i].valid);
+    }
+    rig_configure();
+}
+
 static void limits_that_are_not_valid(void) {
     rig_configure();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
@@ -284,6 +322,57 @@ static void the_aim_waits_for_a_frame(void) {
     CHECK_EQ(rig.output.status.aims_solved, solved + 3U);
 }
 
+/// 20 targets go round at 30 degrees a second, and each is reported 50 times a second, one in a
+/// tick: the picture goes with them. Where they are in it is off by what a report is old. Its
+/// search never ends: pan and tilt wait for that and then follow it as it is, again and again.
+/// (Every goal is a jump, so none coasts.)
+static void the_picture_goes_with_targets_in_turn(void) {
+    rig_configure();
+    rig.config.frame = CONTROLLER_FRAME_RECT;
+    rig.config.tracker.jump_q48 = 0;
+    rig_start(0, 0x55);
+    rig_target(0, 0, 0);
+    rig_arm();
+    int64_t goal = 0;
+    uint32_t since = 0;
+    for (int tick = 0; tick < 3000 && check_clean(); tick++) {
+        const int id = tick % 20;
+        rig_target((uint32_t)id, 3 * tick + id % 5 * 250, id / 5 * 100);
+        rig_tick();
+        const struct framing *framing = &rig.output.status.framing;
+        if (tick > 300) {
+            CHECK_NEAR(framing->pan_bam32.bam, BAM_OF(3 * tick + 500).bam, BAM_OF(100).bam);
+            CHECK_NEAR(framing->half_width_bam32.bam, BAM_OF(550).bam, BAM_OF(100).bam);
+            CHECK(framing->refining);
+        }
+        const int64_t pan = rig.output.status.axis[AXIS_PAN].goal_q48;
+        if (tick > 300) {
+            CHECK_EQ(pan != goal, since == CONTROLLER_REFINING_TICKS_MAX);
+        }
+        since = pan == goal ? since + 1U : 0U;
+        goal = pan;
+    }
+}
+
+/// It moves, goes away and is back at once: the goal is where it is, and how it moved is forgotten.
+static void a_target_that_was_away_is_a_new_one(void) {
+    rig_init();
+    rig_arm();
+    for (int i = 0; i <= 10; i++) { // 30 degrees a second
+        rig_target(1, i * 60, 0);
+        rig_ticks(20);
+    }
+    rig_gone(1);
+    rig_tick();
+    rig_target(1, 650, 50);
+    rig_tick();
+    for (int i = 0; i < 60 && check_clean(); i++) {
+        CHECK_NEAR(rig.output.status.axis[AXIS_PAN].goal_q48, 650 * CENTIDEGREE, DEGREE / 100000);
+        CHECK_NEAR(rig.output.status.axis[AXIS_TILT].goal_q48, 50 * CENTIDEGREE, DEGREE / 100000);
+        rig_tick();
+    }
+}
+
 /// Random bytes in every field of the input, also from the drives' own ids.
 static void random_inputs(void) {
     uint64_t seed = UINT64_C(0xF022);
@@ -368,6 +457,7 @@ static void a_measurement_has_the_time_of_its_arrival(void) {
 
 int main(void) {
     TEST(settings_that_are_not_valid);
+    TEST(settings_at_a_bound);
     TEST(limits_that_are_not_valid);
     TEST(drives_that_collide);
     TEST(settings_at_the_ends_of_their_ranges);
@@ -378,6 +468,8 @@ int main(void) {
     TEST(inputs_beyond_the_maxima_are_cut_off);
     TEST(the_set_is_full);
     TEST(the_aim_waits_for_a_frame);
+    TEST(the_picture_goes_with_targets_in_turn);
+    TEST(a_target_that_was_away_is_a_new_one);
     TEST(random_inputs);
     TEST(modes_and_faults_have_names);
     TEST(a_measurement_has_the_time_of_its_arrival);

@@ -184,6 +184,24 @@ static void lost_answers_are_asked_again(void) {
     }
 }
 
+/// Whatever the answer holds: zeros are also the watchdog's time here.
+static void an_answer_confirms_its_own_question_only(void) {
+    static const uint8_t commands[] = {0x92, 0x9A, 0xB3, 0x42};
+    for (unsigned missing = 0; missing < 8U; missing++) {
+        use_rmd(3);
+        config.rmd.watchdog_ms = 0;
+        if (missing >= 4U) {
+            drive_forget(&drive);
+        }
+        for (unsigned q = 0; q < 8U; q++) {
+            CHECK(q % 4U == missing % 4U || receive(reply(commands[q % 4U], 0, 0), 0));
+        }
+        CHECK(!drive.ready);
+        CHECK(receive(reply(commands[missing % 4U], 0, 0), 0));
+        CHECK(drive.ready);
+    }
+}
+
 static void forgetting_starts_anew(void) {
     use_rmd(3);
     make_ready();
@@ -436,6 +454,7 @@ int main(void) {
     TEST(ready_when_all_four_are_answered);
     TEST(the_watchdog_is_written_until_confirmed);
     TEST(lost_answers_are_asked_again);
+    TEST(an_answer_confirms_its_own_question_only);
     TEST(forgetting_starts_anew);
     TEST(a_cycle_of_four_ticks);
     TEST(reversed_and_offset);

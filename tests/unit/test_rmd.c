@@ -60,6 +60,25 @@ static void requests_with_values(void) {
     CHECK_FRAME(f, FRAME(0x401, 0xE6, 0x66, 0x82, 0xE0, 0x52, 0x33, 0x3B, 0x55));
 }
 
+/// One bit after the other: the frame is one big-endian number.
+static void bits_of_an_impedance_set_point(void) {
+    for (unsigned bit = 0; bit < 64U; bit++) {
+        const uint64_t number = UINT64_C(1) << bit;
+        const struct rmd_impedance s = {(uint16_t)(number >> 48), (uint16_t)(number >> 36 & 0xFFFU),
+                                        (uint16_t)(number >> 24 & 0xFFFU),
+                                        (uint16_t)(number >> 12 & 0xFFFU),
+                                        (uint16_t)(number & 0xFFFU)};
+        struct can_frame f, wanted = FRAME(0x401, 0, 0, 0, 0, 0, 0, 0, 0);
+        wanted.data[7U - bit / 8U] = (uint8_t)(1U << bit % 8U);
+        CHECK_EQ(rmd_encode_impedance(1, &s, &f), RMD_OK);
+        CHECK_FRAME(f, wanted);
+    }
+    const struct rmd_impedance all = {0xFFFF, 0xFFF, 0xFFF, 0xFFF, 0xFFF};
+    struct can_frame f;
+    CHECK_EQ(rmd_encode_impedance(32, &all, &f), RMD_OK);
+    CHECK_FRAME(f, FRAME(0x420, 255, 255, 255, 255, 255, 255, 255, 255));
+}
+
 static void requests_without_values(void) {
     static const uint8_t commands[] = {0x70, 0x76, 0x77, 0x78, 0x80, 0x81, 0x88,
                                        0x92, 0x9A, 0x9C, 0xB1, 0xB2, 0xB5};
@@ -78,7 +97,7 @@ static void requests_without_values(void) {
 static void bad_requests_leave_the_frame_alone(void) {
     const struct can_frame before = FRAME(7, 1, 2, 3, 4, 5, 6, 7, 8);
     struct can_frame f = before;
-    struct rmd_impedance s = {0xFFFF, 0xFFF, 0xFFF, 0xFFF, 0xFFF};
+    const struct rmd_impedance s = {0xFFFF, 0xFFF, 0xFFF, 0xFFF, 0xFFF};
     static const uint8_t ids[] = {0, 33, 255};
     for (unsigned i = 0; i < sizeof ids; i++) {
         CHECK_EQ(rmd_encode(ids[i], RMD_STOP, &f), RMD_BAD_ID);
@@ -92,8 +111,11 @@ static void bad_requests_leave_the_frame_alone(void) {
     CHECK_EQ(rmd_encode_report(1, RMD_READ_ANGLE, true, 15, &f), RMD_BAD_VALUE);
     CHECK_EQ(rmd_encode_report(1, RMD_READ_ANGLE, true, 655360, &f), RMD_BAD_VALUE);
     CHECK_EQ(rmd_encode_read_accel(1, (enum rmd_accel)4, &f), RMD_BAD_VALUE);
-    s.kd_count = 0x1000;
-    CHECK_EQ(rmd_encode_impedance(1, &s, &f), RMD_BAD_VALUE);
+    const struct rmd_impedance too_large[] = {
+        {0, 0x1000, 0, 0, 0}, {0, 0, 0x1000, 0, 0}, {0, 0, 0, 0x1000, 0}, {0, 0, 0, 0, 0x1000}};
+    for (unsigned i = 0; i < 4U; i++) {
+        CHECK_EQ(rmd_encode_impedance(1, &too_large[i], &f), RMD_BAD_VALUE);
+    }
     CHECK_FRAME(f, before);
 }
 
@@ -277,6 +299,7 @@ static void any_frame_is_decoded_or_refused(void) {
 
 int main(void) {
     TEST(requests_with_values);
+    TEST(bits_of_an_impedance_set_point);
     TEST(requests_without_values);
     TEST(bad_requests_leave_the_frame_alone);
     TEST(replies_of_motion);

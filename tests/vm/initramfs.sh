@@ -6,7 +6,9 @@ version=$(cat "$kernel/version")
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 mkdir -p "$root/bin" "$root/modules" "$root/proc" "$root/sys" "$root/dev" "$root/root"
-cp /bin/busybox "$root/bin/busybox"
+busybox=$kernel/userland/bin/busybox
+[ -e "$busybox" ] || busybox=/bin/busybox
+cp "$busybox" "$root/bin/busybox"
 cp tests/vm/init "$root/init"
 chmod +x "$root/init"
 /sbin/modprobe -S "$version" -d "$kernel/kernel" -a --show-depends virtio_pci 9p 9pnet_virtio |

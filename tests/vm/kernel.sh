@@ -1,5 +1,6 @@
 #!/bin/sh
-# Usage: kernel.sh   Prints the folder that holds the virtual machine's kernel and its modules; makes it first.
+# Usage: kernel.sh ARCHITECTURE   Prints the folder that holds the virtual machine's kernel (amd64, arm64) and its modules;
+# makes it first. For arm64 also what the machine has instead of the host's programs: busybox and candump.
 # Everything comes from the distribution's packages, nothing is installed on the host. The folder is kept between
 # builds (BORESIGHT_VM_CACHE, else ~/.cache/boresight-vm), one a kernel version. Exit status 3, after one line on stderr:
 # the packages can't be had here.
@@ -9,8 +10,11 @@ cannot() {
     echo "$1" >&2
     exit 3
 }
-image=$(apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-/ { print $2; exit }')
-[ -n "$image" ] || cannot 'no package linux-image-amd64 in the lists of apt'
+architecture=$1
+. boards/linux/cross/apt.sh
+apt_knows "$architecture" "linux-image-$architecture" || apt_update "$architecture" >/dev/null 2>&1
+image=$(apt_for "$architecture" apt-cache depends "linux-image-$architecture" 2>/dev/null | awk '/Depends: linux-image-/ { print $2; exit }')
+[ -n "$image" ] || cannot "no package linux-image-$architecture in the lists of apt"
 version=${image#linux-image-}
 source=linux-source-$(echo "$version" | cut -d. -f1,2)
 # What is built here changes with this script, too.
@@ -21,13 +25,37 @@ if [ -e "$made/ready" ]; then
 fi
 
 headers=/usr/src/linux-headers-$version
-[ -d "$headers" ] || cannot "no $headers (package linux-headers-$version)"
+more=$source
+case $architecture in
+amd64) [ -d "$headers" ] || cannot "no $headers (package linux-headers-$version)" ;;
+*) more='busybox-static can-utils' ;;
+esac
 work=$cache/making.$$
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/modules" "$work/fetched"
-(cd "$work/fetched" && apt-get download -q "$image" "$source") >"$work/log" 2>&1 ||
-    cannot "the packages $image and $source can't be downloaded"
+# shellcheck disable=SC2086
+(cd "$work/fetched" && apt_fetch "$architecture" $image $more) >"$work/log" 2>&1 ||
+    cannot "the packages $image $more can't be downloaded"
 dpkg -x "$work/fetched/$image"_*.deb "$work/kernel" || exit 1
+
+finish() {
+    depmod -b "$work/kernel" "$version" || exit 1
+    echo "$version" >"$work/version"
+    rm -rf "$work/fetched" "$work/drivers" "$work/modules" "$work/kernel/boot" "$work/kernel/usr" "$work/kernel/irq"
+    touch "$work/ready"
+    mv -T "$work" "$made" 2>/dev/null || [ -e "$made/ready" ] || exit 1
+    trap - EXIT
+    rm -rf "$work"
+    echo "$made"
+    exit 0
+}
+if [ "$architecture" != amd64 ]; then
+    mv "$work/kernel/boot/vmlinuz-$version" "$work/vmlinux" # which is not compressed
+    for package in $more; do
+        dpkg -x "$work/fetched/$package"_*.deb "$work/userland" || exit 1
+    done
+    finish
+fi
 
 # The kernel without its compressed wrapping, which an emulated processor unpacks slowly.
 packed=$work/kernel/boot/vmlinuz-$version
@@ -55,12 +83,4 @@ tree=$work/kernel/lib/modules/$version
 mkdir -p "$tree/extra"
 cp "$work"/modules/*.ko "$tree/extra/"
 strip -g "$tree"/extra/*.ko
-depmod -b "$work/kernel" "$version" || exit 1
-echo "$version" >"$work/version"
-
-rm -rf "$work/fetched" "$work/drivers" "$work/modules" "$work/kernel/boot" "$work/kernel/usr" "$work/kernel/irq"
-touch "$work/ready"
-mv -T "$work" "$made" 2>/dev/null || [ -e "$made/ready" ] || exit 1
-trap - EXIT
-rm -rf "$work"
-echo "$made"
+finish
