@@ -166,6 +166,11 @@ static void start_pan(struct sim *sim, const struct controller_pan *pan) {
     sim_measure_choose(sim, pan->choice);
 }
 
+/// Does the controller hear of the targets as they are?
+static bool hears_all(const struct sim *sim) {
+    return sim->config.camera == NULL && !sim->served.on;
+}
+
 static void move_targets(struct sim *sim) {
     const struct schedule *schedule = sim->config.schedule;
     for (size_t i = 0; i < schedule->mover_count; i++) {
@@ -185,8 +190,7 @@ static void move_targets(struct sim *sim) {
         }
         update.position_um = schedule_mover_position_um(mover, sim->time_us);
         sim_measure_update(sim, &update);
-        if (sim->config.camera == NULL &&
-            (sim->time_us - mover->from_us) % mover->period_us == 0U) {
+        if (hears_all(sim) && (sim->time_us - mover->from_us) % mover->period_us == 0U) {
             update.position_um.x = blur_um(sim, update.position_um.x, mover->noise_m);
             update.position_um.y = blur_um(sim, update.position_um.y, mover->noise_m);
             update.position_um.z = blur_um(sim, update.position_um.z, mover->noise_m);
@@ -200,14 +204,14 @@ bool sim_hear(struct sim *sim, const struct target_update *update) {
 }
 
 bool sim_push(struct sim *sim, const struct target_update *update) {
-    if (sim->config.camera == NULL && !give(sim, update)) {
+    if (hears_all(sim) && !give(sim, update)) {
         return false;
     }
     sim_measure_update(sim, update);
     return true;
 }
 
-static void feed(struct sim *sim) {
+void sim_feed_targets(struct sim *sim) {
     const struct schedule *schedule = sim->config.schedule;
     while (sim->next_item < schedule->item_count &&
            schedule->items[sim->next_item].at_us <= sim->time_us &&
@@ -215,6 +219,10 @@ static void feed(struct sim *sim) {
         sim->next_item++;
     }
     move_targets(sim);
+}
+
+static void feed(struct sim *sim) {
+    sim_feed_targets(sim);
     sim_world_step(sim);
     while (sim->next_command < sim->config.command_count &&
            sim->config.commands[sim->next_command].at_us <= sim->time_us) {

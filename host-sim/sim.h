@@ -165,7 +165,9 @@ struct sim_view {
 struct sim_served {
     bool on;
     uint64_t frames_in, frames_out;
-    uint64_t frames_lost; ///< one of the two buses took no more
+    uint64_t frames_lost; ///< one of the two buses refused them
+    bool has_next;        ///< came in and waits for the simulated bus
+    struct can_frame next;
 };
 
 #define SIM_PWM_CHANNELS 64U
@@ -210,8 +212,9 @@ void sim_destroy(struct sim *sim);
 void sim_step(struct sim *sim);
 
 /// For a controller elsewhere, in place of sim_step: one tick of the drives and the plant, whose
-/// bus is bridged to another. The controller in here rests; position and speed of the plant are
-/// checked. Not for PWM axes, which no bus reaches.
+/// bus is bridged to another. The controller in here rests and hears of no target; the truth
+/// follows schedule and sim_push, so that sim_observe tells how well the other aims. Position and
+/// speed of the plant are checked. Not for PWM axes, which no bus reaches, nor with obstacles.
 void sim_serve_step(struct sim *sim, const struct hal_can *outside);
 
 /// Besides the schedule: an update for the next tick, from outside. False: the pump's queue is

@@ -63,7 +63,7 @@ void sim_measure_choose(struct sim *sim, struct framing_choice choice) {
 }
 
 /// Follows the optimal axis; a jump of it (or the first one) starts the settling clock.
-static void refresh_truth(struct sim *sim) {
+void sim_measure_follow(struct sim *sim) {
     struct sim_measure *measure = &sim->measure;
     if (measure->framed_version == measure->truth.version && !measure->framing.refining) {
         return;
@@ -136,7 +136,7 @@ static void record_error(struct sim_measure *measure, double error_deg) {
 
 void sim_measure_step(struct sim *sim) {
     struct sim_measure *measure = &sim->measure;
-    refresh_truth(sim);
+    sim_measure_follow(sim);
     if (measure->framing.status != FRAMING_OK || sim->controller.mode != MODE_TRACKING) {
         if (measure->timing && sim->controller.mode < MODE_TRACKING) {
             measure->aim_changed_us = sim->time_us; // not armed: nobody aims yet

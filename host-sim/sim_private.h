@@ -7,6 +7,9 @@
 /// Bus, drives and plant, to a time.
 void sim_run_plant(struct sim *sim, uint64_t until_ns);
 
+/// The targets of the schedule that are due.
+void sim_feed_targets(struct sim *sim);
+
 /// The HAL of the simulator: virtual clock and pulse channels (the bus has devices/bus_node_hal.h).
 bool sim_hal_bind(struct sim *sim);
 
@@ -36,6 +39,8 @@ void sim_measure_update(struct sim *sim, const struct target_update *update);
 
 /// From now on the truth is that of this choice of targets.
 void sim_measure_choose(struct sim *sim, struct framing_choice choice);
+/// What is optimal, if the targets have changed.
+void sim_measure_follow(struct sim *sim);
 /// 100 times a second.
 void sim_measure_step(struct sim *sim);
 

@@ -2,6 +2,7 @@
 #include "capacity.h"
 #include "command.h"
 #include "emulator.h"
+#include "event_loop.h"
 #include "facts.h"
 #include "make_folder.h"
 #include "replay.h"
@@ -24,9 +25,11 @@ extern const char build_id[];
 
 struct settings {
     uint64_t seed;
-    const char *seconds_text, *speed_text, *report, *record, *replay, *serve;
+    const char *seconds_text, *speed_text, *report, *record, *replay;
+    const char *serve, *frames, *targets, *state_text; ///< the latter ones belong to --serve
     struct emulator_options mcu;
     double seconds, speed; ///< speed 0: as fast as it goes
+    double state_s;
     bool has_seed, json, quiet;
 };
 
@@ -72,11 +75,19 @@ static const struct option options[] = {
      option_text, offsetof(struct settings, mcu.faults), NULL},
     {"--mcu-console", "FILE", "write what the board says on its serial line; - is stderr",
      option_text, offsetof(struct settings, mcu.console), NULL},
-    {"--mcu-serial", "LINK", "make LINK a terminal at the board's serial line; with --speed 1",
+    {"--mcu-serial", "LINK",
+     "make LINK a terminal at the board's serial line, or use that port; with --speed 1",
      option_text, offsetof(struct settings, mcu.serial), NULL},
     {"--serve", "can:NAME",
      "put the scenario's drives on a CAN interface, for a controller elsewhere", option_text,
      offsetof(struct settings, serve), NULL},
+    {"--frames", "PATH",
+     "with --serve: what the camera sees, as PGM: a file of the newest picture, or a pipe",
+     option_text, offsetof(struct settings, frames), NULL},
+    {"--targets", "FILE|-", "with --serve: a target stream, besides the scenario's targets",
+     option_text, offsetof(struct settings, targets), NULL},
+    {"--state", "S", "with --serve: print a line of JSON every S seconds: the truth", option_text,
+     offsetof(struct settings, state_text), NULL},
     {"--quiet", NULL, "no progress on stderr", option_flag, offsetof(struct settings, quiet), NULL},
     OPTION_JSON(struct settings),
 };
@@ -355,11 +366,18 @@ static enum exit_status serve(const struct command *command, const struct settin
         message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
+    event_loop_block_signals(); // a camera has a thread
     enum exit_status status = scenario_read(file, scenario);
     if (status == EXIT_STATUS_OK) {
         scenario->sim.seed = settings->has_seed ? settings->seed : scenario->sim.seed;
-        status = serve_drives(command->name, scenario, settings->serve, settings->seconds,
-                              settings->json);
+        scenario->camera.stage.seed = settings->has_seed ? settings->seed : scenario->sim.seed;
+        status = serve_drives(command->name, scenario,
+                              &(struct serve_options){.bus = settings->serve,
+                                                      .frames = settings->frames,
+                                                      .targets = settings->targets,
+                                                      .seconds = settings->seconds,
+                                                      .state_s = settings->state_s,
+                                                      .as_json = settings->json});
     }
     scenario_free(scenario);
     free(scenario);
@@ -400,7 +418,9 @@ static enum exit_status run_command(const struct command *command, int argc, cha
     if ((settings.seconds_text != NULL &&
          !option_positive(command->name, "--seconds", settings.seconds_text, &settings.seconds)) ||
         (limited &&
-         !option_positive(command->name, "--speed", settings.speed_text, &settings.speed))) {
+         !option_positive(command->name, "--speed", settings.speed_text, &settings.speed)) ||
+        (settings.state_text != NULL &&
+         !option_positive(command->name, "--state", settings.state_text, &settings.state_s))) {
         return EXIT_STATUS_USAGE;
     }
     if (settings.serve != NULL) {
@@ -410,6 +430,10 @@ static enum exit_status run_command(const struct command *command, int argc, cha
             return EXIT_STATUS_USAGE;
         }
         return serve(command, &settings, files[0]);
+    }
+    if (settings.frames != NULL || settings.targets != NULL || settings.state_text != NULL) {
+        message_command(command->name, "--frames, --targets and --state belong to --serve");
+        return EXIT_STATUS_USAGE;
     }
     return simulate_all(command, &settings, files, count);
 }
@@ -432,7 +456,10 @@ const struct command command_sim = {
         "  times_real_time    simulated time by elapsed time\n\n"
         "With --serve no controller runs here: the scenario's drives and their physics sit on a\n"
         "CAN interface, in real time, and answer whoever speaks to them ('boresight run' with\n"
-        "'bus = can:NAME'). SIGINT ends it; pan_deg and tilt_deg are where the axes really are.\n",
+        "'bus = can:NAME'). SIGINT ends it; pan_deg and tilt_deg are where the axes really are,\n"
+        "aim_error_deg how far the camera looks past the axis that is best for the targets as "
+        "they\n"
+        "really are. With --frames the camera of the scenario's [camera] sees them.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

@@ -275,6 +275,9 @@ const char *rig_buses_newly_lost(struct rig_buses *buses) {
             buses->error = bus->address.kind == RIG_BUS_SOCKETCAN ? bus->can.error
                            : bus->address.kind == RIG_BUS_SLCAN   ? bus->slcan.error
                                                                   : bus->gs_usb.error;
+            if (bus->address.kind == RIG_BUS_SLCAN) {
+                linux_slcan_close(&bus->slcan); // else it comes back under another name
+            }
             return buses->error.line;
         }
     }

@@ -1,8 +1,6 @@
 #include "runner_state.h"
 
-#include <poll.h>
-#include <stdio.h>
-#include <unistd.h>
+#include "state_line.h"
 
 static const char *const names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
 
@@ -52,7 +50,8 @@ void runner_state_servos(const struct runner *runner, struct facts *facts) {
 
 // ---------------------------------------------------------------- lines
 
-static void write_facts(const struct runner *runner, FILE *stream) {
+static void write_facts(const void *context, FILE *stream) {
+    const struct runner *runner = context;
     const struct controller_status *status = &runner->pump->output.status;
     struct facts facts;
     facts_begin(&facts, stream, true);
@@ -77,17 +76,5 @@ void runner_state_tick(struct runner *runner) {
         return;
     }
     runner->state_due_us = now_us + runner->settings.state_us;
-    char line[1024];
-    FILE *stream = fmemopen(line, sizeof line, "w");
-    long size = -1;
-    if (stream != NULL) {
-        write_facts(runner, stream);
-        size = ftell(stream);
-        (void)fclose(stream);
-    }
-    // Less than PIPE_BUF: a pipe that takes anything takes all of it.
-    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    const bool written = size > 0 && poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0 &&
-                         write(STDOUT_FILENO, line, (size_t)size) == (ssize_t)size;
-    runner->states_dropped += written ? 0U : 1U;
+    runner->states_dropped += state_line_print(write_facts, runner) ? 0U : 1U;
 }

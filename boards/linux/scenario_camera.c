@@ -72,18 +72,26 @@ const struct ini_key scenario_camera_keys[SCENARIO_CAMERA_KEY_COUNT] = {
 
 // ---------------------------------------------------------------- a frame
 
-static void expose(struct scenario_camera *camera, struct sim *sim) {
+bool scenario_camera_draw(struct scenario_camera *camera, const struct sim *sim, uint8_t *picture) {
     const struct rig_eye *eye = &camera->rig->eye;
     const struct sim_view seen = sim_observe(sim);
     // The head's true axes take the place of a mount that does not turn.
     const struct mount head = {seen.right_q30, seen.ahead_q30, seen.up_q30};
     const struct camera_pose still = {0.0, 0.0, 1.0};
     const struct camera_view view = camera_view_at(&head, &eye->seat, &still);
+    return stage_draw(&camera->stage, &view, seen.focal_mm / eye->focal_mm, &sim->measure.truth,
+                      picture, eye->model.width_px);
+}
+
+uint64_t scenario_camera_period_us(const struct scenario_camera *camera) {
+    return (uint64_t)(1e9 / (double)camera->keys.fps_milli);
+}
+
+static void expose(struct scenario_camera *camera, struct sim *sim) {
     struct scenario_frame *frame =
         &camera->frame[(camera->first + camera->waiting) % SCENARIO_CAMERA_FRAMES];
     if (camera->waiting == SCENARIO_CAMERA_FRAMES ||
-        !stage_draw(&camera->stage, &view, seen.focal_mm / eye->focal_mm, &sim->measure.truth,
-                    frame->picture, eye->model.width_px)) {
+        !scenario_camera_draw(camera, sim, frame->picture)) {
         return; // a frame that nobody has room for is lost, as on a rig
     }
     frame->at_us = sim->time_us;
@@ -122,7 +130,7 @@ static void step(void *context, struct sim *sim) {
     }
     if (sim->time_us >= camera->next_us) {
         expose(camera, sim);
-        camera->next_us += (uint64_t)(1e9 / (double)camera->keys.fps_milli);
+        camera->next_us += scenario_camera_period_us(camera);
     }
     while (camera->waiting > 0U &&
            sim->time_us - camera->frame[camera->first].at_us >= (uint64_t)camera->keys.latency_us) {

@@ -44,6 +44,13 @@ struct scenario_camera {
 /// Returns: EXIT_STATUS_OK, or another. Free with scenario_camera_close in any case.
 enum exit_status scenario_camera_open(struct scenario_camera *camera, const struct rig *rig,
                                       const struct ini *scenario, uint64_t seed);
+
+/// For a controller elsewhere: what the camera sees now, width_px * height_px of the rig's lens,
+/// and how often it looks. False: no memory.
+bool scenario_camera_draw(struct scenario_camera *camera, const struct sim *sim,
+                          uint8_t *picture) MUST_CHECK;
+uint64_t scenario_camera_period_us(const struct scenario_camera *camera);
+
 void scenario_camera_close(struct scenario_camera *camera);
 
 #endif

@@ -2,11 +2,15 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
+
+/// That of the boards' consoles. A pseudo-terminal ignores it.
+#define SPEED B115200
 
 static bool make_raw(int fd) {
     struct termios settings;
@@ -14,6 +18,9 @@ static bool make_raw(int fd) {
         return false;
     }
     cfmakeraw(&settings);
+    settings.c_cflag |= CLOCAL | CREAD;
+    cfsetispeed(&settings, SPEED);
+    cfsetospeed(&settings, SPEED);
     return tcsetattr(fd, TCSANOW, &settings) == 0;
 }
 
@@ -33,8 +40,30 @@ static bool make_link(struct serial_pty *pty, const char *name, const char *link
     return true;
 }
 
+/// A terminal that is there, by its name or a link to it, and no pseudo-terminal of an earlier run.
+static bool is_real_line(const char *path) {
+    struct stat about;
+    char place[PATH_MAX];
+    return stat(path, &about) == 0 && S_ISCHR(about.st_mode) && realpath(path, place) != NULL &&
+           strncmp(place, "/dev/pts/", 9) != 0;
+}
+
+static bool open_line(struct serial_pty *pty, const char *path) {
+    pty->board_end = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (pty->board_end >= 0 && make_raw(pty->board_end)) {
+        return true;
+    }
+    const int error_number = errno;
+    serial_pty_close(pty);
+    errno = error_number;
+    return false;
+}
+
 bool serial_pty_open(struct serial_pty *pty, const char *link) {
     *pty = (struct serial_pty){.board_end = -1, .other_end = -1};
+    if (is_real_line(link)) {
+        return open_line(pty, link);
+    }
     pty->board_end = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     const bool unlocked =
         pty->board_end >= 0 && grantpt(pty->board_end) == 0 && unlockpt(pty->board_end) == 0;

@@ -1,8 +1,8 @@
-/// A pseudo-terminal as the other end of the board's serial line: for terminal programs, and for
-/// `boresight run`.
+/// The other end of the board's serial line: a pseudo-terminal, for terminal programs and for
+/// `boresight run`, or a serial port of this computer, for those at the end of its cable.
 ///
 /// What is written to it goes down the line at the line's speed; what nobody reads is lost, as on a
-/// wire. Shown: tests/mcu/cpu/link.sh.
+/// wire. Shown: tests/mcu/cpu/link.sh, tests/vm/guest/serial.sh.
 #ifndef MCU_SERIAL_PTY_H
 #define MCU_SERIAL_PTY_H
 
@@ -17,8 +17,9 @@ struct serial_pty {
     char link[SERIAL_PTY_PATH_BYTES];
 };
 
-/// Opens one, and makes link a symbolic link to it; a link that is there is replaced, another file
-/// is not. False: errno says why; nothing is open.
+/// If link is a serial port, that is the line, at 115200 baud. Otherwise opens a pseudo-terminal
+/// and makes link a symbolic link to it; a link that is there is replaced, another file is not.
+/// False: errno says why; nothing is open.
 bool serial_pty_open(struct serial_pty *pty, const char *link);
 void serial_pty_close(struct serial_pty *pty);
 

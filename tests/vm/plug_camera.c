@@ -2,11 +2,14 @@
 /// the simulator's renderer draws of a world with one lamp or one tag in it, from where its own pan
 /// and tilt have brought it.
 ///
-/// Usage: plug_camera STATE WISH. WISH is read again and again: `lamp|tag PAN_DEG TILT_DEG`, where
-/// the thing is, and behind that `silent` if no frames shall come, `stubborn` if it shall refuse to
-/// be turned. STATE always holds `pan tilt
-/// zoom settings frames`: where the camera is (degrees, its unit), and what has reached it.
+/// Usage: plug_camera STATE WISH [PICTURE]. WISH is read again and again: `lamp|tag PAN_DEG
+/// TILT_DEG`, where the thing is, and behind that `silent` if no frames shall come, `stubborn` if
+/// it shall refuse to be turned. STATE always holds `pan tilt zoom settings frames`: where the
+/// camera is (degrees, its unit), and what has reached it. With PICTURE, a file that somebody else
+/// keeps new (`boresight sim
+/// --frames`), it shows each as soon as it is there, and grey where it is of another size.
 #include "detect/camera_model.h"
+#include "detect/frame_file.h"
 #include "detect/tags.h"
 #include "view/render.h"
 #include "vm/support/uvc_camera.h"
@@ -16,6 +19,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -85,6 +89,37 @@ static struct render_object thing_of(const struct stage *stage, const uint8_t *t
     return thing;
 }
 
+static const char *picture_file; ///< NULL: the world is here
+
+static bool is_new(void *ctx) {
+    static struct timespec shown;
+    struct stat about;
+    (void)ctx;
+    if (stat(picture_file, &about) != 0 ||
+        (about.st_mtim.tv_sec == shown.tv_sec && about.st_mtim.tv_nsec == shown.tv_nsec)) {
+        return false;
+    }
+    shown = about.st_mtim;
+    return true;
+}
+
+static void paint_file(const struct uvc_camera *camera, uint8_t *picture) {
+    static struct frame_file file;
+    struct hal_camera_luma frame;
+    const bool read = frame_file_open(&file, picture_file) &&
+                      frame_file_next(&file, &frame) == FRAME_FILE_OK &&
+                      frame.width_px == camera->width_px && frame.height_px == camera->height_px;
+    for (uint32_t y = 0; y < camera->height_px; y++) {
+        uint8_t *line = picture + (size_t)y * camera->width_px;
+        if (read) {
+            memcpy(line, frame.luma + (size_t)y * frame.stride_bytes, camera->width_px);
+        } else {
+            memset(line, 90, camera->width_px);
+        }
+    }
+    frame_file_close(&file);
+}
+
 static void paint(void *ctx, const struct uvc_camera *camera, uint8_t *picture) {
     static struct render render;
     static struct camera_model model;
@@ -96,6 +131,10 @@ static void paint(void *ctx, const struct uvc_camera *camera, uint8_t *picture) 
     moved_s = at_s;
     stage->pan_deg = toward(stage->pan_deg, camera->pan / 3600.0, most);
     stage->tilt_deg = toward(stage->tilt_deg, camera->tilt / 3600.0, most);
+    if (picture_file != NULL) {
+        paint_file(camera, picture);
+        return;
+    }
     if (render.width_px != camera->width_px) {
         model = camera_model_pinhole(camera->width_px, camera->height_px,
                                      FOCAL_PX * camera->width_px / 160.0);
@@ -149,15 +188,17 @@ static void write_state(const struct stage *stage, const char *path) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 3) {
-        fprintf(stderr, "usage: plug_camera STATE WISH\n");
+    if (argc != 3 && argc != 4) {
+        fprintf(stderr, "usage: plug_camera STATE WISH [PICTURE]\n");
         return 2;
     }
+    picture_file = argv[3]; // NULL if there is none
     struct stage *const stage = usb_port_share(sizeof *stage);
     struct usb_port port;
     signal(SIGTERM, end);
     uvc_camera_init(&stage->camera);
     stage->camera.paint = paint;
+    stage->camera.ready = picture_file != NULL ? is_new : NULL;
     stage->camera.ctx = stage;
     read_wish(stage, argv[2]);
     uvc_camera_plug(&port, 3, &stage->camera);

@@ -30,7 +30,7 @@ emulate() { # PROGRAM CONSOLE OPTION...
     program=$1 console=$2
     shift 2
     # shellcheck disable=SC2046
-    timeout -k 5 "${VM_TIMEOUT:-400}" "$program" -accel "${VM_ACCEL:-tcg}" -smp 2 -m 768 -nodefaults -no-user-config -display none \
+    timeout -k 5 "${VM_TIMEOUT:-900}" "$program" -accel "${VM_ACCEL:-tcg}" -smp 2 -m 768 -nodefaults -no-user-config -display none \
         -no-reboot -rtc base=utc -monitor none -serial "file:$out/console.log" -kernel "$kernel/vmlinux" -initrd "$out/initramfs.cpio" \
         -append "console=$console quiet panic=-1 nokaslr mitigations=off vm.groups=$(echo "$groups" | tr ' ' ',')" \
         $(share host "$root") $(share repository "$PWD") $(share kernel "$kernel") "$@" 2>"$out/qemu.log"
@@ -38,10 +38,29 @@ emulate() { # PROGRAM CONSOLE OPTION...
 # The results come over a serial port of their own, apart from what the kernel says.
 case $architecture in
 amd64)
+    # Two USB serial adapters, each at the other's end of a cable (a socket of this machine's with itself). In the group `board`
+    # there is a board instead, emulated here: its real image, and the simulator's gimbal on its CAN bus.
+    cable="-chardev socket,id=tty0,path=$out/cable,server=on,wait=off -chardev socket,id=tty1,path=$out/cable
+        -device usb-serial,chardev=tty0,always-plugged=on -device usb-serial,chardev=tty1,always-plugged=on"
+    if [ "$groups" = board ]; then
+        elf=build/boards/stm32f405/boresight.elf
+        { [ -e $elf ] && [ -e build/boresight-mcu ]; } || skip_all 'no image or no emulator of it here (.ci/need check)'
+        cp host-sim/rigs/studio.ini "$out/rig.ini"
+        printf '[scenario]\nname = Line\nrig = rig.ini\nseconds = 3000\narm = no\n' >"$out/idle.ini"
+        rm -f "$out/board"
+        build/boresight-mcu sim "$out/idle.ini" --speed 1 --quiet --json --mcu $elf --mcu-serial "$out/board" >"$out/board.json" 2>"$out/board.err" &
+        board=$!
+        trap 'kill $board 2>/dev/null' EXIT
+        . tests/until_true.sh
+        until_true 30 test -e "$out/board" || { cat "$out/board.err"; echo "FAIL vm.board.emulator"; exit 1; }
+        cable="-chardev serial,id=tty0,path=$out/board -device usb-serial,chardev=tty0,always-plugged=on"
+    fi
     # Two CAN cards on one bus and one alone. no_timer_check: on a busy host the kernel sees no tick in time at its boot, and panics.
     root=/ well=65
+    # shellcheck disable=SC2086
     emulate qemu-system-x86_64 'ttyS0 tsc=unstable no_timer_check vm.results=ttyS1' -machine q35 -cpu max \
         -serial "file:$out/results.log" -device isa-debug-exit,iobase=0xf4,iosize=0x1 \
+        -device qemu-xhci $cable \
         -object can-bus,id=bus0 -device kvaser_pci,canbus=bus0 -device kvaser_pci,canbus=bus0 \
         -object can-bus,id=bus1 -device kvaser_pci,canbus=bus1
     ;;

@@ -1,7 +1,7 @@
 # The tests in the virtual machine. tests/README.md explains it.
 
 # Groups (tests/vm/guest/GROUP.sh), in the order in which they run; with -san their C programs are built with sanitizers.
-vm_groups := can gpio usb gs_usb run calibrate rig buses camera refusals pi can-san gpio-san usb-san gs_usb-san camera-san
+vm_groups := can gpio usb gs_usb run calibrate rig buses serial board camera loop refusals pi can-san gpio-san usb-san gs_usb-san camera-san
 vm_programs := $(foreach v,gcc san,$(vm_test_c:%.c=$(B)/$(v)/%))
 
 # Where the distribution has libgpiod 1.6, the driver's file for 2.x with that library as Debian's next release has it.
@@ -24,6 +24,8 @@ need-vm: | need-check need-cross
 vm_logs := $(vm_groups:%=$(B)/check/vm/%.log)
 $(vm_logs): $(B)/check/vm/%.log: $(vm_programs) $(B)/boresight FORCE
 	@tests/run.sh $@ sh tests/vm/run.sh $*
+# Without compiler or emulator of the board that group says so.
+$(B)/check/vm/board.log: $(if $(and $(unicorn),$(shell command -v arm-none-eabi-gcc)),$(B)/boresight-mcu $(B)/boards/stm32f405/boresight.elf)
 check-vm: need-vm ## Run the tests of hardware on a real kernel in a virtual machine
 	@$(MAKE) --no-print-directory check-vm-run
 check-vm-run: $(vm_programs) $(B)/boresight

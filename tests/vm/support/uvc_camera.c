@@ -329,7 +329,8 @@ static int bulk_in(void *ctx, uint8_t endpoint, uint8_t *data, uint32_t capacity
     (void)endpoint;
     if (!camera->sending) {
         const uint64_t now = now_us();
-        if (camera->silent || now < camera->due_us) {
+        if (camera->silent || now < camera->due_us ||
+            (camera->ready != NULL && !camera->ready(camera->ctx))) {
             return USB_MODEL_LATER;
         }
         camera->due_us += camera->interval_us;

@@ -36,6 +36,8 @@ struct uvc_camera {
     /// Paints a picture of width_px * height_px bytes of brightness; NULL: every byte is the low
     /// byte of the frame's number (frames, from 0). Runs in the camera's process.
     void (*paint)(void *ctx, const struct uvc_camera *camera, uint8_t *picture);
+    /// Is there something new to see? Until then the frame that is due waits. NULL: always.
+    bool (*ready)(void *ctx);
     void *ctx;
 
     // Private from here on.
