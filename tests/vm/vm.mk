@@ -11,7 +11,7 @@ vm_programs += $(B)/gcc/tests/vm/linux_gpio_2
 $(B)/gcc/tests/vm/linux_gpio_2: hal/linux/linux_gpiod_2.c $(B)/gcc/tests/vm/linux_gpio.o $(B)/gcc/libtest.a $(gcc_libs) hal/linux/linux_gpiod.h hal/linux/linux_gpio.h tests/vm/packages.sh
 	@rm -f $@
 	$(say) LD $@
-	@from=$$(sh tests/vm/packages.sh trixie "$$(dpkg --print-architecture)" libgpiod-dev) || exit 0; \
+	@from=$$(sh tests/vm/packages.sh trixie libgpiod-dev) || exit 0; \
 	$(gcc_cc) $(common) $(gcc_flags) -isystem "$$from/usr/include" $(host_flags) -o $@ $(filter %.c %.o %.a,$^) "$$from"/usr/lib/*/libgpiod.a \
 	    -Wl,--as-needed -ljansson $(filter-out -lgpiod,$(feature_libs)) -lmpfr -lgmp -lm
 endif
