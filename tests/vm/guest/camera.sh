@@ -1,6 +1,8 @@
 # Cameras: the kernel's vivid, and a USB camera emulated below uvcvideo.
 . tests/vm/guest/check.sh
 load vivid n_devs=1 node_types=0x1
+"$VM_PROGRAMS/linux_vivid"
+verdict camera$VM_SUFFIX.linux_vivid_ended_well $?
 load -a vhci-hcd uvcvideo
 "$VM_PROGRAMS/linux_camera"
 verdict camera$VM_SUFFIX.linux_camera_ended_well $?
