@@ -16,7 +16,7 @@ include tests/mcu/hal/hal.mk
 include tests/cross/cross.mk
 include tests/vm/vm.mk
 # In real time: one after the other when all others are done, and again if the machine paused.
-realtime := cli/board cli/calibrate cli/camera cli/camera_loop cli/camera_run cli/capacity cli/drive cli/hidden mcu/cpu/link \
+realtime := cli/board cli/run_aside cli/calibrate cli/camera cli/camera_loop cli/camera_run cli/capacity cli/drive cli/hidden mcu/cpu/link \
     contract/linux_gs_usb contract/linux_gpio_edges scenario/test_event_loop scenario/test_eye scenario/test_rig_mend
 realtime_runs := $(filter $(foreach t,$(realtime),%/tests/$(t)),$(test_runs)) $(vm_groups:%=vm/%)
 logs := $(patsubst %,$(B)/check/%.log,$(filter-out $(realtime_runs),$(test_runs)))

@@ -413,7 +413,8 @@ enum exit_status calibrate_run(struct calibrate *c, const struct calibrate_setti
                                             .see_through = true,
                                             .arm = true,
                                             .stay = true,
-                                            .hurry = true};
+                                            .hurry = true,
+                                            .fixed = true};
     enum exit_status status = refuse_board(settings->rig_file);
     status = status == EXIT_STATUS_OK ? runner_start(&c->runner, &running) : status;
     if (status != EXIT_STATUS_OK) {
