@@ -45,10 +45,10 @@ struct calibrate_axis {
     double end_deg[2]; ///< low and high: how far it may go
     uint32_t move_count;
     double move_deg[CALIBRATE_MOVES], move_s[CALIBRATE_MOVES];
-    double latency_ms, speed_dps; ///< the fastest, over 40 ms
+    double latency_ms, speed_dps; ///< the latter over 40 ms; 0: it could not be told
     uint32_t rounds;
     /// How far the rounds were apart; of four and more the middle half.
-    double move_spread_s[CALIBRATE_MOVES], latency_spread_ms, speed_spread_dps;
+    double move_spread_s[CALIBRATE_MOVES], latency_spread_ms;
     bool noisy; ///< they did not agree
 };
 

@@ -33,8 +33,9 @@ void calibrate_trace_add(struct calibrate_trace *trace, uint64_t now_us, double 
 /// How long the move to that angle took, less what ticks were missed of it.
 double calibrate_trace_took_s(const struct calibrate_trace *trace, uint32_t tick_us, double to_deg);
 
-/// Lags behind setpoints that go faster than fast_dps, in ms, and speeds, in degrees a second, both
-/// where no tick was missed. They go behind the *count that are there, as far as `most`.
+/// Lags behind setpoints that go faster than fast_dps, in ms, and speeds where the setpoint goes
+/// fastest, in degrees a second, both where no tick was missed. They go behind the *count that are
+/// there, as far as `most`.
 void calibrate_trace_lags(const struct calibrate_trace *trace, uint32_t tick_us, double fast_dps,
                           double *lag_ms, uint32_t *count, uint32_t most);
 void calibrate_trace_speeds(const struct calibrate_trace *trace, uint32_t tick_us,

@@ -6,7 +6,8 @@
 /// So that a hundredth of a degree, and of a tick, is little.
 #define SPEED_OVER_US 40000U
 /// What comes so soon after a missed tick still shows it.
-#define SETTLED_US 50000U
+#define SETTLED_US 30000U
+#define TOP_PART   0.95 ///< of the fastest setpoint: the speed is that of the axis there
 
 void calibrate_trace_begin(struct calibrate_trace *trace) {
     trace->setpoint_count = trace->sight_count = 0;
@@ -49,11 +50,13 @@ double calibrate_trace_took_s(const struct calibrate_trace *trace, uint32_t tick
     const double far = fabs(trace->sight_deg[there - 1U] - to_deg) - CALIBRATE_ARRIVED_DEG;
     const double near = CALIBRATE_ARRIVED_DEG - fabs(trace->sight_deg[there] - to_deg);
     double took_us = from_us + (us - from_us) * far / fmax(far + near, 1e-9) - start_us;
-    for (uint32_t i = 1; i < trace->setpoint_count && (double)trace->setpoint_us[i] < us &&
-                         fabs(trace->setpoint_deg[i - 1U] - to_deg) > 1e-6;
-         i++) {
-        took_us -= missed_us(trace, i, tick_us);
+    // Until the setpoint is there it moves a tick's way a tick, whenever that comes.
+    uint32_t last = 0;
+    while (last + 1U < trace->setpoint_count && (double)trace->setpoint_us[last + 1U] < us &&
+           fabs(trace->setpoint_deg[last] - to_deg) > 1e-6) {
+        last++;
     }
+    took_us -= (double)(trace->setpoint_us[last] - trace->setpoint_us[0]) - (double)last * tick_us;
     return took_us * 1e-6;
 }
 
@@ -112,9 +115,18 @@ static bool is_smooth(const struct calibrate_trace *trace, uint32_t tick_us, uin
     return true;
 }
 
+/// How far the setpoint goes in the tick before i.
+static double pace(const struct calibrate_trace *trace, uint32_t i) {
+    return i == 0U ? 0.0 : fabs(trace->setpoint_deg[i] - trace->setpoint_deg[i - 1U]);
+}
+
 void calibrate_trace_speeds(const struct calibrate_trace *trace, uint32_t tick_us,
                             double *speeds_dps, uint32_t *count, uint32_t most) {
     uint32_t from = 0, newest = 0;
+    double top = 0.0;
+    for (uint32_t i = 1; i < trace->setpoint_count; i++) {
+        top = fmax(top, pace(trace, i));
+    }
     for (uint32_t i = 1; i < trace->sight_count && *count < most && trace->setpoint_count > 0U;
          i++) {
         const uint64_t at_us = trace->sight_us[i];
@@ -124,6 +136,7 @@ void calibrate_trace_speeds(const struct calibrate_trace *trace, uint32_t tick_u
         const uint64_t apart_us = at_us - trace->sight_us[from];
         newest = setpoint_at(trace, at_us, newest);
         if (apart_us >= SPEED_OVER_US && apart_us < 2U * SPEED_OVER_US &&
+            pace(trace, newest) >= TOP_PART * top &&
             is_smooth(trace, tick_us, newest, trace->sight_us[from])) {
             speeds_dps[(*count)++] =
                 fabs(trace->sight_deg[i] - trace->sight_deg[from]) * 1e6 / (double)apart_us;

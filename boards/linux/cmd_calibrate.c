@@ -99,7 +99,11 @@ static void print_axis(struct facts *facts, const char *name, const struct calib
     facts_reals(facts, fact_name(name, "move_deg"), axis->move_deg, axis->move_count);
     facts_reals(facts, fact_name(name, "move_s"), axis->move_s, axis->move_count);
     facts_reals(facts, fact_name(name, "move_spread_s"), axis->move_spread_s, axis->move_count);
-    facts_fixed(facts, fact_name(name, "speed_dps"), axis->speed_dps, 2);
+    if (axis->speed_dps > 0.0) {
+        facts_fixed(facts, fact_name(name, "speed_dps"), axis->speed_dps, 2);
+    } else {
+        facts_null(facts, fact_name(name, "speed_dps"), "too many ticks were missed");
+    }
     facts_fixed(facts, fact_name(name, "latency_ms"), axis->latency_ms, 2);
     facts_fixed(facts, fact_name(name, "latency_spread_ms"), axis->latency_spread_ms, 2);
     facts_u64(facts, fact_name(name, "rounds"), axis->rounds);
@@ -116,10 +120,9 @@ static void tell_noise(const struct command *command, const char *name,
                         axis->move_deg[i], axis->move_s[i], axis->move_spread_s[i]);
     }
     message_command(command->name,
-                    "noisy: %s: latency %.1f ms, spread %.1f ms; speed %.1f degrees/s, spread "
-                    "%.1f, after %u rounds; is the machine busy, or the drive loose?",
-                    name, axis->latency_ms, axis->latency_spread_ms, axis->speed_dps,
-                    axis->speed_spread_dps, axis->rounds);
+                    "noisy: %s: latency %.1f ms, spread %.1f ms, after %u rounds; is the machine "
+                    "busy, or the drive loose?",
+                    name, axis->latency_ms, axis->latency_spread_ms, axis->rounds);
 }
 
 static void change_axis(struct changes *changes, const char *name,
