@@ -120,7 +120,8 @@ static void no_log_and_no_place_for_one(void) {
     CHECK(!run_log_open(&log, "/nowhere/at/all.log", 0));
     fclose(stream);
     message_stream(NULL);
-    CHECK(strcmp(told, "/nowhere/at/all.log: No such file or directory\n") == 0);
+    CHECK(strcmp(told,
+                 "/nowhere/at/all.log: No such file or directory; create its folder first\n") == 0);
     run_log_close(&log);
 }
 
