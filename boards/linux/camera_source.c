@@ -221,7 +221,9 @@ static void change_when_idle(struct camera_source *source) {
     if (source->eye != NULL && !(camera_feed_end(&source->feed) && eye_is_idle(source->eye))) {
         return;
     }
+    struct event_loop *const loop = source->loop;
     camera_source_close(source);
+    source->loop = loop;
     source->rig = source->next_rig;
     source->next_rig = NULL;
     source->was_there = false;
