@@ -16,6 +16,15 @@ $(B)/gcc/tests/vm/linux_gpio_2: hal/linux/linux_gpiod_2.c $(B)/gcc/tests/vm/linu
 	    -Wl,--as-needed -ljansson $(filter-out -lgpiod,$(feature_libs)) -lmpfr -lgmp -lm
 endif
 
+# What is put between a program and the C library, to see what it does.
+watch_loop := $(B)/gcc/tests/vm/preload/watch_loop.so
+$(watch_loop): tests/vm/preload/watch_loop.c
+	@mkdir -p $(@D)
+	$(say) LD $@
+	$(gcc_cc) $(common) $(gcc_flags) -U_GNU_SOURCE -shared -fPIC -o $@ $< -ldl
+vm_programs += $(watch_loop)
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/run_aside.log): $(watch_loop)
+
 # Without what it needs they are skipped, by name.
 .PHONY: need-vm check-vm check-vm-run
 need-vm: | need-check need-cross

@@ -44,7 +44,7 @@ latency_ms = 60
 tick_us = 10000
 END
 start() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
+    watched "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 end() { # STATUS
@@ -137,3 +137,4 @@ unplug
 wait $runner
 [ $? -eq 4 ] && says 'the camera has left'
 verdict camera.a_lost_camera_is_status_4 $? "$work/run.err"
+loop_only_waits camera
