@@ -8,9 +8,13 @@
 ///   stays behind and comes no further, is the end; the axis is led back at once. (Behind alone is
 ///   also a rig that is slow to answer.)
 /// - Moves: CALIBRATE_MOVES amplitudes within the ends, each there and back; the time from the new
-///   aim to where the axis stays within 0.1 degree of it, the longer of the two.
+///   aim to where the axis stays within 0.1 degree of it, the longer of the two. While the program
+///   is kept from running the setpoint stands still: that time is taken off.
 /// - Latency: how long after the setpoint the axis is at the same place, the median over the fast
-///   part of the longest move.
+///   part of the longest move; not where the setpoint stood still meanwhile.
+/// - Times are those of the drive's answers (of the kernel's stamps on SocketCAN), not of the ticks
+///   that find them. All moves are repeated until two rounds agree, or the middle half of more, up
+///   to CALIBRATE_ROUNDS; the median counts. Where they never agree that is told: noisy.
 /// - The camera's latency: pan swings to and fro while the camera looks at whatever it finds that
 ///   stands still (camera_latency.h). Nobody follows what it finds meanwhile.
 /// Shown: tests/cli/calibrate.sh (against the simulator's drives and camera, whose ends, lag and
@@ -22,7 +26,12 @@
 #include "camera_latency.h"
 #include "runner.h"
 
-enum { CALIBRATE_MOVES = 3, CALIBRATE_SETPOINTS = 16384, CALIBRATE_LAGS = 4096 };
+enum {
+    CALIBRATE_MOVES = 3,
+    CALIBRATE_ROUNDS = 6,
+    CALIBRATE_SETPOINTS = 16384,
+    CALIBRATE_SIGHTS = 4096
+};
 
 enum calibrate_end {
     CALIBRATE_END_LIMIT,  ///< the axis reaches the limit of the rig file
@@ -36,7 +45,18 @@ struct calibrate_axis {
     double end_deg[2]; ///< low and high: how far it may go
     uint32_t move_count;
     double move_deg[CALIBRATE_MOVES], move_s[CALIBRATE_MOVES];
-    double latency_ms, speed_dps; ///< the fastest that was seen
+    double latency_ms, speed_dps; ///< the latter over 40 ms; 0: it could not be told
+    uint32_t rounds;
+    /// How far the rounds were apart; of four and more the middle half.
+    double move_spread_s[CALIBRATE_MOVES], latency_spread_ms;
+    bool noisy; ///< they did not agree
+};
+
+/// A move: what was asked for at every tick, and what the drive answered.
+struct calibrate_trace {
+    uint32_t setpoint_count, sight_count;
+    uint64_t setpoint_us[CALIBRATE_SETPOINTS], sight_us[CALIBRATE_SIGHTS];
+    double setpoint_deg[CALIBRATE_SETPOINTS], sight_deg[CALIBRATE_SIGHTS];
 };
 
 struct calibrate_camera {
@@ -61,11 +81,10 @@ struct calibrate {
     // Private from here on.
     double aim_deg[2];
     uint64_t aimed_us;
-    uint32_t setpoint_count;
-    uint64_t setpoint_us[CALIBRATE_SETPOINTS];
-    double setpoint_deg[CALIBRATE_SETPOINTS];
-    uint32_t lag_count;
-    double lag_ms[CALIBRATE_LAGS];
+    struct calibrate_trace trace;
+    double sorted[2 * CALIBRATE_SIGHTS]; ///< of a round: there and back
+    uint32_t sorted_count, speed_count;
+    double speeds[2 * CALIBRATE_SIGHTS];
     struct camera_latency sights;
 };
 

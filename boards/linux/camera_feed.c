@@ -239,6 +239,13 @@ void camera_feed_tick(struct camera_feed *feed, uint64_t now_us) {
     }
 }
 
+void camera_feed_unwatch(struct camera_feed *feed) {
+    if (feed->streaming) {
+        let_go(feed);
+    }
+    feed->loop = NULL;
+}
+
 bool camera_feed_is_there(const struct camera_feed *feed) {
     return feed->streaming;
 }

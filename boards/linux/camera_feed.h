@@ -80,6 +80,9 @@ bool camera_feed_is_there(const struct camera_feed *feed);
 /// until it returns true: then camera_feed_close does not wait.
 bool camera_feed_end(struct camera_feed *feed) MUST_CHECK;
 
+/// The loop lets go of it; only camera_feed_close may follow, in any thread.
+void camera_feed_unwatch(struct camera_feed *feed);
+
 /// Waits for what is under way.
 void camera_feed_close(struct camera_feed *feed);
 

@@ -72,7 +72,8 @@ static void take_results(void *context) {
     struct camera_source *const source = context;
     const bool counts = source->was_there && source->next_rig == NULL;
     const uint64_t before = eye_counts_of(source->eye).frames;
-    (void)eye_collect(source->eye, counts && source->seen == NULL ? give : give_nobody, source);
+    (void)eye_collect(source->eye, hal_clock_now_us(source->clock),
+                      counts && source->seen == NULL ? give : give_nobody, source);
     if (counts && source->seen != NULL && eye_counts_of(source->eye).frames != before) {
         source->seen(source->seen_context, source->eye);
     }
@@ -182,14 +183,20 @@ bool camera_source_watch(struct camera_source *source, struct event_loop *loop) 
             camera_feed_watch(&source->feed, loop));
 }
 
+void camera_source_unwatch(struct camera_source *source) {
+    if (source->eye != NULL && source->loop != NULL) {
+        camera_feed_unwatch(&source->feed);
+        event_loop_forget(source->loop, eye_fd(source->eye));
+        source->loop = NULL;
+    }
+}
+
 void camera_source_close(struct camera_source *source) {
     if (source->eye == NULL) {
         return;
     }
+    camera_source_unwatch(source);
     camera_feed_close(&source->feed);
-    if (source->loop != NULL) {
-        event_loop_forget(source->loop, eye_fd(source->eye));
-    }
     eye_destroy(source->eye);
     source->eye = NULL;
     if (source->staged != NULL) {
@@ -214,7 +221,9 @@ static void change_when_idle(struct camera_source *source) {
     if (source->eye != NULL && !(camera_feed_end(&source->feed) && eye_is_idle(source->eye))) {
         return;
     }
+    struct event_loop *const loop = source->loop;
     camera_source_close(source);
+    source->loop = loop;
     source->rig = source->next_rig;
     source->next_rig = NULL;
     source->was_there = false;

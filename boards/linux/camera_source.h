@@ -55,6 +55,8 @@ struct camera_source {
 enum exit_status camera_source_open(struct camera_source *source, const struct rig *rig,
                                     const struct hal_clock *clock, bool waits);
 bool camera_source_watch(struct camera_source *source, struct event_loop *loop) MUST_CHECK;
+/// The loop lets go of it; only camera_source_close may follow, in any thread.
+void camera_source_unwatch(struct camera_source *source);
 void camera_source_close(struct camera_source *source);
 
 /// From now on the camera of that rig, which may have none, or other numbers for the same one. The

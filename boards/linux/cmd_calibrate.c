@@ -7,8 +7,10 @@
 #include "pointing.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { CHANGES_MAX = 16 };
 
@@ -57,6 +59,20 @@ static void change_list(struct changes *changes, const char *section, const char
     }
 }
 
+/// When, and what, behind the change that was made last.
+static void note(struct changes *changes, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void note(struct changes *changes, const char *format, ...) {
+    char *const text = changes->item[changes->count - 1U].note;
+    const time_t now = time(NULL);
+    struct tm utc;
+    const size_t at = strftime(text, INI_NOTE_BYTES, "%Y-%m-%d %H:%M UTC: ", gmtime_r(&now, &utc));
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + at, INI_NOTE_BYTES - at, format, arguments);
+    va_end(arguments);
+}
+
 static enum exit_status write_back(const struct ini *ini, const struct settings *settings,
                                    const struct changes *changes) {
     return settings->dry_run ? EXIT_STATUS_OK : ini_edit_file(ini, changes->item, changes->count);
@@ -82,8 +98,31 @@ static void print_axis(struct facts *facts, const char *name, const struct calib
     facts_fixed(facts, fact_name(name, "max_deg"), axis->end_deg[1], 2);
     facts_reals(facts, fact_name(name, "move_deg"), axis->move_deg, axis->move_count);
     facts_reals(facts, fact_name(name, "move_s"), axis->move_s, axis->move_count);
-    facts_fixed(facts, fact_name(name, "speed_dps"), axis->speed_dps, 2);
+    facts_reals(facts, fact_name(name, "move_spread_s"), axis->move_spread_s, axis->move_count);
+    if (axis->speed_dps > 0.0) {
+        facts_fixed(facts, fact_name(name, "speed_dps"), axis->speed_dps, 2);
+    } else {
+        facts_null(facts, fact_name(name, "speed_dps"), "too many ticks were missed");
+    }
     facts_fixed(facts, fact_name(name, "latency_ms"), axis->latency_ms, 2);
+    facts_fixed(facts, fact_name(name, "latency_spread_ms"), axis->latency_spread_ms, 2);
+    facts_u64(facts, fact_name(name, "rounds"), axis->rounds);
+}
+
+/// What the person should know of rounds that never agreed.
+static void tell_noise(const struct command *command, const char *name,
+                       const struct calibrate_axis *axis) {
+    if (!axis->noisy) {
+        return;
+    }
+    for (uint32_t i = 0; i < axis->move_count; i++) {
+        message_command(command->name, "noisy: %s: %.0f degrees took %.3f s, spread %.3f s", name,
+                        axis->move_deg[i], axis->move_s[i], axis->move_spread_s[i]);
+    }
+    message_command(command->name,
+                    "noisy: %s: latency %.1f ms, spread %.1f ms, after %u rounds; is the machine "
+                    "busy, or the drive loose?",
+                    name, axis->latency_ms, axis->latency_spread_ms, axis->rounds);
 }
 
 static void change_axis(struct changes *changes, const char *name,
@@ -94,13 +133,23 @@ static void change_axis(struct changes *changes, const char *name,
             const double inward =
                 side == 0U ? ceil(axis->end_deg[side] * 100.0) : floor(axis->end_deg[side] * 100.0);
             change_number(changes, name, keys[side], inward / 100.0, 2);
+            note(changes, "2 degrees before %s",
+                 axis->end[side] == CALIBRATE_END_SWITCH ? "the switch" : "what is in the way");
         }
     }
     if (axis->move_count > 0U) {
+        double spread_s = 0.0;
+        for (uint32_t i = 0; i < axis->move_count; i++) {
+            spread_s = fmax(spread_s, axis->move_spread_s[i]);
+        }
         change_list(changes, name, "move_deg", axis->move_deg, axis->move_count, 0);
         change_list(changes, name, "move_s", axis->move_s, axis->move_count, 3);
+        note(changes, "%smedian of %u rounds, spread %.3f s", axis->noisy ? "noisy, " : "",
+             axis->rounds, spread_s);
     }
     change_number(changes, name, "latency_ms", axis->latency_ms, 1);
+    note(changes, "%smedian of %u rounds, spread %.1f ms", axis->noisy ? "noisy, " : "",
+         axis->rounds, axis->latency_spread_ms);
 }
 
 static void print_camera(struct facts *facts, const struct calibrate_camera *camera) {
@@ -133,11 +182,14 @@ static enum exit_status calibrate_motion(const struct command *command,
             print_axis(&facts, names[axis], &calibrate->axis[axis]);
             if (calibrate->axis[axis].measured) {
                 change_axis(&changes, names[axis], &calibrate->axis[axis]);
+                tell_noise(command, names[axis], &calibrate->axis[axis]);
             }
         }
         print_camera(&facts, &calibrate->camera);
         if (calibrate->camera.measured) {
             change_number(&changes, "camera", "latency_ms", calibrate->camera.latency_ms, 1);
+            note(&changes, "%u sightings, %.3f degrees rms apart", calibrate->camera.sights,
+                 calibrate->camera.rms_deg);
         } else if (calibrate->camera.why_not != NULL) {
             message_command(command->name, "no latency of the camera: %s",
                             calibrate->camera.why_not);
@@ -298,6 +350,9 @@ static enum exit_status run_command(const struct command *command, int argc, cha
                            &settings, "rig", &file)) {
         return EXIT_STATUS_USAGE;
     }
+    if (!settings.dry_run && !ini_edit_allowed(file)) { // before anything moves
+        return EXIT_STATUS_FAILURE;
+    }
     return settings.sightings != NULL ? calibrate_pointing(&settings, file)
                                       : calibrate_motion(command, &settings, file);
 }
@@ -312,7 +367,10 @@ const struct command command_calibrate = {
         "90 degrees as far as they fit, and writes into the file: limits, where a switch or\n"
         "something in the way comes first (2 degrees before it; never wider than they were);\n"
         "move_deg and move_s, how long moves take; latency_ms, how long an axis is behind its\n"
-        "setpoint. Hobby servos tell nobody where they are and are not measured. The emergency\n"
+        "setpoint. Moves are repeated until they agree; behind each value stands when and how it "
+        "was\n"
+        "measured (# measured ...). Hobby servos tell nobody where they are and are not measured. "
+        "The emergency\n"
         "stop and SIGINT end it, and nothing is written.\n\n"
         "With device = ... in [camera]: pan swings by up to 8 degrees to either side while the\n"
         "camera looks at something that stands still (a tag, a lamp), and latency_ms of [camera]\n"

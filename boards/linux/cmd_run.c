@@ -85,7 +85,7 @@ static void print_summary(const struct settings *settings, struct runner *runner
     facts_u64(&facts, "updates_rejected", runner->controller->updates_rejected);
     facts_u64(&facts, "reloads", runner->reloads);
     facts_fixed(&facts, "hidden_percent", hidden_percent(runner), 2);
-    facts_u64(&facts, "log_dropped", runner->log.dropped);
+    facts_u64(&facts, "log_dropped", run_log_dropped(&runner->log));
     if (runner->settings.state_us != 0U) {
         facts_u64(&facts, "states_dropped", runner->states_dropped);
     }
@@ -154,7 +154,7 @@ static enum exit_status drive_devices(const struct command *command,
                                             .arm = settings->arm,
                                             .stay = settings->stay};
     const enum exit_status status = runner_run(runner, &running);
-    if (runner->steps > 0U) {
+    if (runner->steps > 0U && runner->controller != NULL) {
         print_summary(settings, runner);
     }
     runner_close(runner);

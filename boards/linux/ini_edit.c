@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 // ---------------------------------------------------------------- a text that grows
 
@@ -61,8 +62,29 @@ static struct place place_of(const struct ini *ini, const struct ini_change *cha
     return (struct place){last, false};
 }
 
+static void add_note(struct buffer *out, const struct ini_change *change) {
+    if (change->note[0] != '\0') {
+        add_text(out, " " INI_NOTE_MARK);
+        add_text(out, change->note);
+    }
+}
+
+/// Without an older note at its end, and the blanks before it.
+static size_t without_note(const char *line, size_t from, size_t size) {
+    const char *note = memmem(line + from, size - from, INI_NOTE_MARK, strlen(INI_NOTE_MARK));
+    if (note == NULL) {
+        return size;
+    }
+    size_t end = (size_t)(note - line);
+    while (end > from && (line[end - 1U] == ' ' || line[end - 1U] == '\t')) {
+        end--;
+    }
+    return end;
+}
+
 /// A line without its end; the value between `=` and the comment is another one.
-static void add_replaced(struct buffer *out, const char *line, size_t size, const char *value) {
+static void add_replaced(struct buffer *out, const char *line, size_t size,
+                         const struct ini_change *change) {
     size_t at = 0;
     while (at < size && line[at] != '=') {
         at++;
@@ -80,14 +102,16 @@ static void add_replaced(struct buffer *out, const char *line, size_t size, cons
         end--;
     }
     add(out, line, at);
-    add_text(out, value);
-    add(out, line + end, size - end);
+    add_text(out, change->value);
+    add(out, line + end, without_note(line, end, size) - end);
+    add_note(out, change);
 }
 
 static void add_new(struct buffer *out, const struct ini_change *change, const char *line_end) {
     add_text(out, change->key);
     add_text(out, " = ");
     add_text(out, change->value);
+    add_note(out, change);
     add_text(out, line_end);
 }
 
@@ -95,19 +119,19 @@ static void add_new(struct buffer *out, const struct ini_change *change, const c
 static void add_line(struct buffer *out, const char *line, size_t size, unsigned long number,
                      const struct ini *ini, const struct ini_change *changes, unsigned count,
                      const char *line_end) {
-    const char *value = NULL;
+    const struct ini_change *change = NULL;
     bool inserts = false;
     for (unsigned i = 0; i < count; i++) {
         const struct place place = place_of(ini, &changes[i]);
-        value = place.line == number && place.replaces ? changes[i].value : value;
+        change = place.line == number && place.replaces ? &changes[i] : change;
         inserts = inserts || (place.line == number && !place.replaces);
     }
     size_t bare = size;
     while (bare > 0U && (line[bare - 1U] == '\n' || line[bare - 1U] == '\r')) {
         bare--;
     }
-    if (value != NULL) {
-        add_replaced(out, line, bare, value);
+    if (change != NULL) {
+        add_replaced(out, line, bare, change);
     } else {
         add(out, line, bare);
     }
@@ -203,10 +227,25 @@ static bool is_unchanged(const struct ini *ini) {
     return same;
 }
 
+/// Root may write anything; whoever took the file's permission to be written meant it.
+bool ini_edit_allowed(const char *path) {
+    struct stat about;
+    const bool exists = stat(path, &about) == 0;
+    if (exists &&
+        ((about.st_mode & (S_IWUSR | S_IWGRP | S_IWOTH)) == 0U || (access(path, W_OK) != 0))) {
+        message_at(path, 0, "is read-only: nothing is written");
+        return false;
+    }
+    return true;
+}
+
 enum exit_status ini_edit_file(const struct ini *ini, const struct ini_change *changes,
                                unsigned count) {
     struct stat about;
     size_t size = 0, new_size = 0;
+    if (!ini_edit_allowed(ini->file)) {
+        return EXIT_STATUS_FAILURE;
+    }
     if (!is_unchanged(ini)) {
         message_at(ini->file, 0, "was changed meanwhile: nothing is written");
         return EXIT_STATUS_FAILURE;

@@ -22,6 +22,12 @@ void message_at(const char *file, unsigned long line, const char *format, ...)
 void message_command(const char *command, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/// From begin to end a thread of its own writes the messages: whoever has one never waits for a
+/// terminal that was stopped or a pipe that is full. They are cut after 1,000 bytes then, and lost
+/// when too many wait, which the last line tells. The end waits for the rest. Not nested.
+void message_aside_begin(void);
+void message_aside_end(void);
+
 /// Where messages go from now on; NULL: stderr again. For tests.
 void message_stream(FILE *stream);
 

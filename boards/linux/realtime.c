@@ -17,8 +17,8 @@ void realtime_enter(struct realtime *realtime) {
     realtime->advice[0] = '\0';
     if (!realtime->priority || !realtime->memory) {
         snprintf(realtime->advice, sizeof realtime->advice,
-                 "without %s%s%s: this user may not; start it as a service (AmbientCapabilities="
-                 "CAP_SYS_NICE CAP_IPC_LOCK) or as root",
+                 "without %s%s%s: this process may not; start it as root, or as a service with "
+                 "AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK",
                  realtime->priority ? "" : "real-time priority",
                  realtime->priority || realtime->memory ? "" : " and ",
                  realtime->memory ? "" : "locked memory");

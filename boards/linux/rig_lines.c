@@ -109,6 +109,7 @@ enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig) 
 
 void rig_lines_close(struct rig_lines *lines) {
     if (lines->count > 0U) {
+        side_job_wait(&lines->mending);
         rig_lines_enable(lines, false);
         linux_gpio_close(&lines->gpio);
         lines->count = 0;
@@ -116,28 +117,41 @@ void rig_lines_close(struct rig_lines *lines) {
 }
 
 bool rig_lines_lost(const struct rig_lines *lines) {
-    return lines->told_lost;
+    return lines->lost;
 }
 
-bool rig_lines_mend(struct rig_lines *lines) {
+static void mend(void *context) {
+    struct rig_lines *const lines = context;
     linux_gpio_close(&lines->gpio);
-    lines->told_lost =
-        linux_gpio_open(&lines->gpio, lines->row, lines->pin, lines->count) != HAL_OK;
-    return !lines->told_lost;
+    lines->mended = linux_gpio_open(&lines->gpio, lines->row, lines->pin, lines->count) == HAL_OK;
+}
+
+void rig_lines_mend(struct rig_lines *lines) {
+    if (lines->lost && !lines->mending_begun) {
+        lines->mending_begun = side_job_start(&lines->mending, mend, lines);
+    }
+}
+
+static void take_mended(struct rig_lines *lines) {
+    if (lines->mending_begun && side_job_is_over(&lines->mending)) {
+        lines->mending_begun = false;
+        lines->lost = !lines->mended;
+    }
 }
 
 // ---------------------------------------------------------------- use
 
 struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us) {
     struct rig_lines_state state = {0};
+    take_mended(lines);
     for (uint32_t i = 0; i < lines->count; i++) {
         struct rig_line *line = &lines->line[i];
         bool reading = true;
-        if (hal_gpio_read(&lines->gpio.hal, i, &reading) != HAL_OK) {
-            reading = true; // the worst
-            state.lost = lines->told_lost ? NULL : lines->gpio.error.line;
-            lines->told_lost = true;
+        if (!lines->lost && hal_gpio_read(&lines->gpio.hal, i, &reading) != HAL_OK) {
+            state.lost = lines->gpio.error.line;
+            lines->lost = true;
         }
+        reading = reading || lines->lost; // the worst
         if (line->output) {
             continue; // read to notice that the chip has left
         }
@@ -151,7 +165,7 @@ struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us) 
 }
 
 void rig_lines_enable(struct rig_lines *lines, bool active) {
-    for (uint32_t i = 0; i < lines->count; i++) {
+    for (uint32_t i = 0; i < lines->count && !lines->lost; i++) {
         if (lines->line[i].output) {
             (void)!hal_gpio_write(&lines->gpio.hal, i, active);
         }

@@ -3,13 +3,15 @@
 /// In the file a line is CHIP:NUMBER, and behind it what it needs: `low` (active is the low level),
 /// `up`, `down` (pull). A normally closed switch to ground is `gpiochip0:17:up`: open, or its wire
 /// broken, is active. Presses count after debounce_ms; the emergency stop at once, and its release
-/// after that time. A line that can't be read counts as pressed.
+/// after that time. A line that can't be read counts as pressed. Lines that are lost are opened
+/// again in the background, and belong to it until then.
 /// Shown: tests/scenario/test_rig_lines.c, tests/vm/guest/rig.sh.
 #ifndef LINUX_RIG_LINES_H
 #define LINUX_RIG_LINES_H
 
 #include "message.h"
 #include "rig.h"
+#include "side_job.h"
 
 #include "linux/linux_gpio.h"
 
@@ -37,7 +39,9 @@ struct rig_lines {
         struct debounce debounce;
     } line[RIG_LINES_MAX];
     uint64_t debounce_us;
-    bool told_lost;
+    bool lost; ///< none is touched until all are open again
+    struct side_job mending;
+    bool mending_begun, mended; ///< the background is opening them; has opened them
     // As opened, to open them again.
     struct hal_gpio_line row[RIG_LINES_MAX];
     struct linux_gpio_pin pin[RIG_LINES_MAX];
@@ -59,10 +63,10 @@ bool rig_line_parse(const char *text, char *chip, uint32_t *number, struct hal_g
 enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig);
 void rig_lines_close(struct rig_lines *lines);
 
-/// Has a line been lost? rig_lines_mend tries to open them all again, and returns whether they are
-/// there.
+/// Has a line been lost? rig_lines_mend tries to open them all again, in the background, unless it
+/// is being tried. What comes of it is taken up by a later rig_lines_read.
 bool rig_lines_lost(const struct rig_lines *lines);
-bool rig_lines_mend(struct rig_lines *lines);
+void rig_lines_mend(struct rig_lines *lines);
 
 struct rig_lines_state rig_lines_read(struct rig_lines *lines, uint64_t now_us);
 

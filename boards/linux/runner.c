@@ -53,8 +53,8 @@ static void tell_mode(struct runner *runner) {
                 faulted ? controller_fault_name(controller->faults) : "");
 }
 
-/// Is every powered axis at rest?
-static bool stands_still(const struct controller *controller) {
+bool runner_stands_still(const struct runner *runner) {
+    const struct controller *const controller = runner->controller;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (controller->powered[axis] && !limiter_at_rest(&controller->limiter[axis])) {
             return false;
@@ -73,7 +73,7 @@ static void take_signals(struct runner *runner, uint32_t raised) {
         run_log_event(&runner->log, false, "end", "interrupted");
         runner_stop(runner);
     }
-    if ((raised & EVENT_LOOP_RELOAD) != 0U) {
+    if ((raised & EVENT_LOOP_RELOAD) != 0U && !runner->settings.fixed) {
         runner_begin_reload(runner);
     }
     if ((raised & EVENT_LOOP_REARM) != 0U && !runner->stopping && !runner->reloading) {
@@ -220,7 +220,7 @@ static bool is_over(const struct runner *runner, enum exit_status *status) {
         return false;
     }
     if (controller->mode == MODE_TRACKING || controller->mode == MODE_SETTLING ||
-        !stands_still(controller)) {
+        !runner_stands_still(runner)) {
         return false;
     }
     *status = runner->device_failed             ? EXIT_STATUS_DEVICE
@@ -271,8 +271,14 @@ bool runner_tick(struct runner *runner) {
         runner->status = EXIT_STATUS_FAILURE;
         return false;
     }
+    if (runner->rebuilding) { // no controller runs: what is asked of it waits
+        runner->held_signals |= raised;
+        runner_reload_tick(runner);
+        return runner->status == EXIT_STATUS_OK;
+    }
     take_targets(runner);
-    take_signals(runner, raised);
+    take_signals(runner, raised | runner->held_signals);
+    runner->held_signals = 0;
     if (limit_us != 0U && !runner->stopping &&
         runner->loop.ticks * runner->loop.tick_us > limit_us) {
         if (runner->sim == NULL && runner->controller->mode == MODE_STARTING) {
@@ -293,9 +299,7 @@ bool runner_tick(struct runner *runner) {
     if (is_over(runner, &runner->status)) {
         return false;
     }
-    if (runner->reloading && stands_still(runner->controller)) {
-        runner->status = runner_finish_reload(runner);
-    }
+    runner_reload_tick(runner);
     return runner->status == EXIT_STATUS_OK;
 }
 
@@ -322,9 +326,9 @@ enum exit_status runner_start(struct runner *runner, const struct runner_setting
     memset(runner, 0, sizeof *runner);
     runner->settings = *settings;
     runner->loop = (struct event_loop){.epoll = -1, .timer = -1, .signals = -1};
-    runner->log.fd = -1;
     linux_clock_open(&runner->clock, 0);
     event_loop_block_signals();
+    message_aside_begin();
     const enum exit_status status = start(runner);
     if (status != EXIT_STATUS_OK) {
         return status;
@@ -357,6 +361,7 @@ enum exit_status runner_run(struct runner *runner, const struct runner_settings 
 
 void runner_close(struct runner *runner) {
     realtime_leave();
+    side_job_wait(&runner->job);
     event_loop_close(&runner->loop);
     target_source_close(&runner->source);
     runner_dismantle(runner);
@@ -365,4 +370,5 @@ void runner_close(struct runner *runner) {
     runner_drop_next(runner);
     runner_forget_camera_rigs(runner);
     run_log_close(&runner->log);
+    message_aside_end();
 }

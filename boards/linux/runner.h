@@ -13,6 +13,7 @@
 #include "rig_devices.h"
 #include "rig_lines.h"
 #include "run_log.h"
+#include "side_job.h"
 #include "target_source.h"
 
 #include "sim.h"
@@ -29,13 +30,20 @@ struct runner_settings {
     bool arm;             ///< whatever the rig file says
     bool stay;            ///< a fault, a lost device do not end it
     bool hurry;           ///< simulated rigs do not wait for the clock
+    bool fixed;           ///< SIGHUP changes nothing
 };
 
 struct runner {
     struct runner_settings settings;
     struct rig rig;
     struct rig next_rig; ///< read, to be used as soon as all stands still
-    bool reloading;
+    bool reloading;      ///< it is, and all comes to rest
+    bool rebuilding;     ///< it takes its place in the background; no controller runs
+    bool reading;        ///< it is being read in the background
+    bool read_again;     ///< SIGHUP came meanwhile
+    struct side_job job; ///< for both
+    enum exit_status job_status;
+    uint32_t held_signals; ///< that came while no controller ran
     /// Of the camera, once another file has changed only that: the one in use and the one before.
     struct rig camera_rig[2];
     unsigned camera_reloads; ///< since all was read; the one in use is (camera_reloads - 1) % 2

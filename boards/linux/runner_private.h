@@ -18,14 +18,20 @@ enum exit_status runner_read_hiding(const struct runner *runner, const struct ri
 /// What was read for a reload is not used.
 void runner_drop_next(struct runner *runner);
 
+/// Is every powered axis at rest?
+bool runner_stands_still(const struct runner *runner);
+
 /// Does time pass as fast as it can? A real camera would not keep up.
 bool runner_is_hurried(const struct runner *runner);
 
-/// SIGHUP: reads the file again. Where only its camera differs that is changed at once; else all
-/// comes to rest, and then runner_finish_reload is due. A file that can't be used changes nothing.
+/// SIGHUP: reads the file again, in the background. Where only its camera differs that is changed
+/// at once; else all comes to rest, and then everything begins anew with the rig that was read: it
+/// has to be homed, and armed, as at the start. A file that can't be used changes nothing.
 void runner_begin_reload(struct runner *runner);
-/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
-enum exit_status runner_finish_reload(struct runner *runner);
+
+/// At every tick. While runner->rebuilding, devices and controller belong to the background: then
+/// nothing else is due in a tick. Sets runner->status if the new devices can't be used.
+void runner_reload_tick(struct runner *runner);
 void runner_forget_camera_rigs(struct runner *runner);
 
 #endif

@@ -112,6 +112,8 @@ void runner_dismantle(struct runner *runner) {
     }
     sim_destroy(runner->sim);
     runner->sim = NULL;
+    runner->controller = NULL;
+    runner->pump = NULL;
 }
 
 // ---------------------------------------------------------------- another rig file
@@ -172,34 +174,50 @@ void runner_drop_next(struct runner *runner) {
     runner->next_hiding = NULL;
 }
 
+/// In the background.
+static void read_next(void *context) {
+    struct runner *const runner = context;
+    runner->job_status = rig_read(runner->settings.rig_file, 0, &runner->next_rig);
+    if (runner->job_status == EXIT_STATUS_OK) {
+        runner->job_status = runner_read_hiding(runner, &runner->next_rig, &runner->next_hiding);
+    }
+}
+
 void runner_begin_reload(struct runner *runner) {
-    if (runner->reloading || runner->stopping) {
+    if (runner->reading || runner->reloading) {
+        runner->read_again = true;
         return;
     }
-    if (rig_read(runner->settings.rig_file, 0, &runner->next_rig) != EXIT_STATUS_OK ||
-        runner_read_hiding(runner, &runner->next_rig, &runner->next_hiding) != EXIT_STATUS_OK) {
+    runner->read_again = false;
+    runner->reading = !runner->stopping && side_job_start(&runner->job, read_next, runner);
+}
+
+static void take_next(struct runner *runner) {
+    runner->reading = false;
+    if (runner->stopping) {
+        runner_drop_next(runner);
+    } else if (runner->job_status != EXIT_STATUS_OK) {
         runner_tell(runner, true, "reload", "%s is not used: the rig stays as it was",
                     runner->settings.rig_file);
         runner_drop_next(runner);
-        return;
-    }
-    if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
+    } else if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
         runner_tell(runner, true, "reload",
                     "tick_us can't change while it runs: the rig stays as it was");
         runner_drop_next(runner);
-        return;
-    }
-    if (changes_only_camera(runner)) {
+    } else if (changes_only_camera(runner)) {
         reload_camera(runner);
         runner_drop_next(runner);
-        return;
+    } else {
+        runner->reloading = true;
+        pump_command(runner->pump, COMMAND_STOP);
     }
-    runner->reloading = true;
-    pump_command(runner->pump, COMMAND_STOP);
 }
 
-/// Everything anew with the rig that was read; it has to be homed, and armed, as at the start.
-enum exit_status runner_finish_reload(struct runner *runner) {
+// ---------------------------------------------------------------- everything anew
+
+/// In the background: devices close and open as long as they like.
+static void rebuild(void *context) {
+    struct runner *const runner = context;
     runner_dismantle(runner);
     rig_free(&runner->rig);
     occlusion_rig_close(runner->hiding);
@@ -208,19 +226,54 @@ enum exit_status runner_finish_reload(struct runner *runner) {
     runner_forget_camera_rigs(runner);
     runner->rig = runner->next_rig;
     memset(&runner->next_rig, 0, sizeof runner->next_rig);
-    runner->reloading = false;
-    runner->reloads++;
     // The controller has forgotten its targets; a recording has them, a live stream sends new ones.
     if (runner->has_source && runner->source.is_recording) {
         target_source_close(&runner->source);
         runner->has_source = target_source_open(&runner->source, runner->settings.targets);
-        runner->source_since_ticks = runner->loop.ticks;
+    }
+    runner->job_status = runner_build(runner);
+}
+
+static void begin_rebuilding(struct runner *runner) {
+    runner->reloading = false;
+    camera_source_unwatch(&runner->camera);
+    runner->rebuilding = side_job_start(&runner->job, rebuild, runner);
+    if (!runner->rebuilding) { // no room for a thread: then everything waits for it
+        rebuild(runner);
+        runner->rebuilding = true;
+    } else if (runner_is_hurried(runner)) {
+        side_job_wait(&runner->job); // time is not real
+    }
+}
+
+static void take_rebuilt(struct runner *runner) {
+    runner->rebuilding = false;
+    runner->reloads++;
+    runner->source_since_ticks = runner->loop.ticks;
+    runner->status = runner->job_status;
+    if (runner->status != EXIT_STATUS_OK) {
+        return;
     }
     runner_tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
-    const enum exit_status status = runner_build(runner);
-    if (status == EXIT_STATUS_OK && !camera_source_watch(&runner->camera, &runner->loop)) {
+    if (!camera_source_watch(&runner->camera, &runner->loop)) {
         message_command(runner->settings.command, "no room in the event loop");
-        return EXIT_STATUS_FAILURE;
+        runner->status = EXIT_STATUS_FAILURE;
     }
-    return status;
+}
+
+void runner_reload_tick(struct runner *runner) {
+    if (runner->reloading && runner_stands_still(runner)) {
+        begin_rebuilding(runner);
+    }
+    if (!(runner->reading || runner->rebuilding) || !side_job_is_over(&runner->job)) {
+        return;
+    }
+    if (runner->reading) {
+        take_next(runner);
+    } else {
+        take_rebuilt(runner);
+    }
+    if (runner->read_again && !runner->reloading) {
+        runner_begin_reload(runner);
+    }
 }

@@ -111,7 +111,8 @@ static void deliver(struct scenario_camera *camera) {
                                          .height_px = camera->rig->eye.model.height_px,
                                          .stride_bytes = camera->rig->eye.model.width_px,
                                          .exposed_us = (uint32_t)frame->at_us};
-    (void)!eye_look(camera->eye, &luma, hear, camera); // before the first pose nothing is told
+    (void)!eye_look(camera->eye, &luma, (uint32_t)camera->sim->time_us, hear,
+                    camera); // before the first pose nothing is told
     camera->first = (camera->first + 1U) % SCENARIO_CAMERA_FRAMES;
     camera->waiting--;
 }

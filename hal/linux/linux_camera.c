@@ -35,6 +35,12 @@ static enum hal_status failed(struct linux_camera *camera) {
     }
 }
 
+/// The same of a camera that is ours.
+static enum hal_status went_wrong(struct linux_camera *camera) {
+    const enum hal_status status = failed(camera);
+    return status == HAL_ERROR_DENIED ? HAL_ERROR_IO : status;
+}
+
 // ---------------------------------------------------------------- streaming
 
 static void free_buffers(struct linux_camera *camera) {
@@ -121,7 +127,7 @@ static enum hal_status camera_stop(void *ctx) {
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     enum hal_status status = HAL_OK;
     if (ioctl(camera->fd, VIDIOC_STREAMOFF, &type) != 0) {
-        status = failed(camera);
+        status = went_wrong(camera);
         (void)ioctl(camera->fd, VIDIOC_STREAMOFF, &type); // freeing the buffers ends it, too
     }
     camera->streaming = false;
@@ -167,21 +173,41 @@ static enum hal_status hand_out(struct linux_camera *camera, const struct v4l2_b
     return HAL_OK;
 }
 
+/// Gives the device the buffers that nobody was handed. False: errno; the next call tries again.
+static bool pay_back(struct linux_camera *camera) {
+    for (uint32_t i = 0; i < camera->buffer_count; i++) {
+        struct v4l2_buffer back = buffer_at(i);
+        if (camera->buffer[i].owed && ioctl(camera->fd, VIDIOC_QBUF, &back) != 0) {
+            return false;
+        }
+        camera->buffer[i].owed = false;
+    }
+    return true;
+}
+
 static enum hal_status camera_dequeue(void *ctx, struct hal_camera_frame *frame) {
     struct linux_camera *camera = ctx;
     if (camera->gone || !camera->streaming) {
         return camera->gone ? HAL_ERROR_GONE : HAL_ERROR_DOWN;
     }
     struct v4l2_buffer taken = buffer_at(0);
-    if (ioctl(camera->fd, VIDIOC_DQBUF, &taken) != 0) {
-        return errno == EAGAIN ? HAL_EMPTY : failed(camera);
+    if (!pay_back(camera)) {
+        return went_wrong(camera);
     }
-    if (taken.index >= camera->buffer_count || taken.bytesused == 0U ||
-        taken.bytesused > camera->buffer[taken.index].size_bytes) {
+    if (ioctl(camera->fd, VIDIOC_DQBUF, &taken) != 0) {
+        return errno == EAGAIN ? HAL_EMPTY : went_wrong(camera);
+    }
+    if (taken.index >= camera->buffer_count) {
+        linux_error_set(&camera->error, camera->path, "a frame in no buffer of ours",
+                        "another cable, port or format may help");
+        return HAL_ERROR_IO;
+    }
+    if (taken.bytesused == 0U || taken.bytesused > camera->buffer[taken.index].size_bytes) {
         // Cancelled, or nothing of the frame came.
+        camera->buffer[taken.index].owed = true;
         linux_error_set(&camera->error, camera->path, "a frame without a picture",
                         "another cable, port or format may help");
-        return ioctl(camera->fd, VIDIOC_QBUF, &taken) == 0 ? HAL_ERROR_IO : failed(camera);
+        return pay_back(camera) ? HAL_ERROR_IO : went_wrong(camera);
     }
     return hand_out(camera, &taken, frame);
 }
@@ -198,7 +224,7 @@ static enum hal_status camera_requeue(void *ctx, const struct hal_camera_frame *
     }
     struct v4l2_buffer back = buffer_at(frame->buffer_index);
     if (ioctl(camera->fd, VIDIOC_QBUF, &back) != 0) {
-        return failed(camera);
+        return went_wrong(camera);
     }
     buffer->out = false;
     return HAL_OK;

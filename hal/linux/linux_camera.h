@@ -10,9 +10,10 @@
 /// control is back where it was.
 ///
 /// A device that leaves answers HAL_ERROR_GONE from then on: close it, and open it when it is back.
-/// Shown: tests/vm/linux_camera.c (the contract suite and more, on the kernel's vivid and on an
-/// emulated USB camera: each system call failing, stalled requests, lost and torn frames, silence,
-/// unplugging at every step).
+/// Shown: tests/contract/linux_camera.c (the contract suite in virtual time, each system call
+/// failing with each error), tests/vm/linux_camera.c and tests/vm/linux_vivid.c (the same and more,
+/// on an emulated USB camera and on the kernel's vivid: stalled requests, lost, torn and faulty
+/// frames, silence, unplugging at every step).
 #ifndef HAL_LINUX_CAMERA_H
 #define HAL_LINUX_CAMERA_H
 
@@ -47,6 +48,7 @@ struct linux_camera {
         size_t size_bytes;
         uint32_t sequence;
         bool out;
+        bool owed; ///< neither out nor the device's: it is given back at the next chance
     } buffer[LINUX_CAMERA_BUFFERS_MAX];
     struct linux_camera_controls controls;
 };
@@ -84,8 +86,9 @@ struct linux_camera_info {
 
 #define LINUX_CAMERA_MISSING "is it plugged in? `boresight probe` lists the cameras"
 
-/// The path of the camera of that name. HAL_ERROR_GONE: there is none; HAL_ERROR_DENIED: none, but
-/// some may not be looked at; HAL_ERROR_ARGUMENT: several. error: why it is not found.
+/// The path of the camera of that name. HAL_ERROR_GONE: there is none; HAL_ERROR_DENIED,
+/// HAL_ERROR_IO: none, but some can't be asked for theirs; HAL_ERROR_ARGUMENT: several. error: why
+/// it is not found.
 enum hal_status linux_camera_find(const char *name, char *path, size_t size,
                                   struct linux_error *error) MUST_CHECK;
 

@@ -5,15 +5,31 @@
 #include <string.h>
 #include <sys/ioctl.h>
 
+#define ASK_TRIES 2
+
 static const uint32_t ids[HAL_CAMERA_CONTROLS] = {V4L2_CID_PAN_ABSOLUTE, V4L2_CID_TILT_ABSOLUTE,
                                                   V4L2_CID_ZOOM_ABSOLUTE};
 
 // ---------------------------------------------------------------- what there is
 
+/// Asks once more what got lost on its way; a device that has no such control says EINVAL, one
+/// without any ENOTTY.
+static bool ask(int fd, unsigned long request, void *about) {
+    for (int tries = 0; tries < ASK_TRIES; tries++) {
+        if (ioctl(fd, request, about) == 0) {
+            return true;
+        }
+        if (errno == EINVAL || errno == ENOTTY) {
+            return false;
+        }
+    }
+    return false;
+}
+
 static bool read_range(int fd, uint32_t id, struct hal_camera_range *range) {
     struct v4l2_queryctrl query = {.id = id};
     const uint32_t unfit = V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_READ_ONLY;
-    if (ioctl(fd, VIDIOC_QUERYCTRL, &query) != 0 || (query.flags & unfit) != 0U ||
+    if (!ask(fd, VIDIOC_QUERYCTRL, &query) || (query.flags & unfit) != 0U ||
         query.minimum > query.maximum) {
         return false;
     }
@@ -29,7 +45,7 @@ static bool read_range(int fd, uint32_t id, struct hal_camera_range *range) {
 
 static int32_t read_value(int fd, uint32_t id, const struct hal_camera_range *range) {
     struct v4l2_control control = {.id = id};
-    const bool good = ioctl(fd, VIDIOC_G_CTRL, &control) == 0 && control.value >= range->min &&
+    const bool good = ask(fd, VIDIOC_G_CTRL, &control) && control.value >= range->min &&
                       control.value <= range->max;
     return good ? control.value : range->initial;
 }
@@ -76,7 +92,8 @@ static void note(struct linux_camera_controls *controls, const enum hal_camera_c
     if (error_number != 0) {
         controls->failed += count;
         controls->error_number = error_number;
-        controls->gone = controls->gone || error_number == ENODEV;
+        controls->gone = controls->gone || error_number == ENODEV || error_number == ENXIO ||
+                         error_number == ESHUTDOWN;
     }
 }
 

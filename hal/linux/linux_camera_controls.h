@@ -28,8 +28,9 @@ struct linux_camera_controls {
     int error_number;                  ///< of the last of them
 };
 
-/// Reads which controls the device has, and where they are. false: no thread could be started, so
-/// the device has none.
+/// Reads which controls the device has, and where they are. One that it fails to tell of twice is
+/// missing, or taken to be where it is at first. false: no thread could be started, so the device
+/// has none.
 bool linux_camera_controls_open(struct linux_camera_controls *controls, int fd);
 /// Waits for the request that is under way; what waits is not sent any more.
 void linux_camera_controls_close(struct linux_camera_controls *controls);

@@ -38,18 +38,26 @@ static bool is_sound(const struct hal_camera_format *format) {
            format->frame_bytes_max >= (uint64_t)format->stride_bytes * format->height_px;
 }
 
-/// The interval that the device will keep; asks for one first, unless it doesn't matter.
+/// Whether a request failed because the device has nothing of that kind.
+static bool has_none(void) {
+    return errno == EINVAL || errno == ENOTTY;
+}
+
+/// The interval that the device will keep; asks for one first, unless it doesn't matter. 0: errno.
 static uint32_t agree_interval(int fd, uint32_t wish_us) {
     struct v4l2_streamparm parameters = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
     const struct v4l2_fract *const got = &parameters.parm.capture.timeperframe;
     if (wish_us != 0U) {
         parameters.parm.capture.timeperframe = (struct v4l2_fract){wish_us, 1000000};
         if (ioctl(fd, VIDIOC_S_PARM, &parameters) != 0) {
+            if (!has_none()) {
+                return 0;
+            }
             wish_us = 0;
         }
     }
     if (wish_us == 0U && ioctl(fd, VIDIOC_G_PARM, &parameters) != 0) {
-        return INTERVAL_US_UNKNOWN;
+        return has_none() ? INTERVAL_US_UNKNOWN : 0U;
     }
     if (got->numerator == 0U || got->denominator == 0U) {
         return INTERVAL_US_UNKNOWN;
@@ -83,6 +91,9 @@ static bool try_kind(int fd, unsigned kind, const struct hal_camera_format *wish
         .stride_bytes = kind + 1U == HAL_CAMERA_MJPEG ? 0U : picture->bytesperline,
         .frame_bytes_max = picture->sizeimage};
     got->interval_us = agree_interval(fd, wish->interval_us);
+    if (got->interval_us == 0U) {
+        return false;
+    }
     errno = 0;
     return kind_of(picture->pixelformat) == kind && is_sound(got);
 }
@@ -112,9 +123,11 @@ static bool is_nearer(const struct hal_camera_format *wish, const struct hal_cam
 uint32_t linux_camera_format_list(int fd, uint32_t *width_px, uint32_t *height_px) {
     uint32_t bits = 0;
     *width_px = *height_px = 0;
+    int why = EINVAL; // no more, or more than anybody looks at
     for (uint32_t i = 0; i < 64U; i++) {
         struct v4l2_fmtdesc about = {.index = i, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
         if (ioctl(fd, VIDIOC_ENUM_FMT, &about) != 0) {
+            why = errno;
             break;
         }
         const unsigned kind = kind_of(about.pixelformat);
@@ -136,14 +149,14 @@ uint32_t linux_camera_format_list(int fd, uint32_t *width_px, uint32_t *height_p
             }
         }
     }
+    errno = why;
     return bits;
 }
 
 enum linux_camera_format_answer linux_camera_format_agree(int fd, struct hal_camera_format *wish) {
     uint32_t ignored_px;
-    errno = 0;
     uint32_t has = linux_camera_format_list(fd, &ignored_px, &ignored_px);
-    if (has == 0U && errno != EINVAL) { // which only says that the list has ended
+    if (errno != EINVAL) { // which only says that the list has ended
         return LINUX_CAMERA_FORMAT_FAILED;
     }
     const uint32_t wanted = UINT32_C(1) << wish->pixels;
@@ -160,6 +173,8 @@ enum linux_camera_format_answer linux_camera_format_agree(int fd, struct hal_cam
         if (try_kind(fd, kind, wish, &got)) {
             last = got;
             best = best.width_px == 0U || is_nearer(wish, &got, &best) ? got : best;
+        } else if (errno != 0 && errno != EINVAL) {
+            return LINUX_CAMERA_FORMAT_FAILED;
         } else {
             why = errno != 0 ? errno : why;
         }

@@ -18,7 +18,7 @@ enum linux_camera_format_answer {
 enum linux_camera_format_answer linux_camera_format_agree(int fd, struct hal_camera_format *wish);
 
 /// The formats that the device lists: a bit 1 << enum hal_camera_pixels each, and the size of the
-/// largest picture.
+/// largest picture. errno: EINVAL, the list has ended; else why it is cut.
 uint32_t linux_camera_format_list(int fd, uint32_t *width_px, uint32_t *height_px);
 
 #endif

@@ -89,6 +89,23 @@ uint32_t linux_camera_list(struct linux_camera_info *cameras, uint32_t capacity)
     return count;
 }
 
+/// 0: asked; else why it can't be.
+static int ask_name(const char *path, char name[LINUX_CAMERA_NAME_BYTES]) {
+    struct linux_camera_info info = {0};
+    const int fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) {
+        return errno == ENOENT || errno == ENODEV || errno == ENXIO ? 0 : errno;
+    }
+    errno = 0;
+    const bool camera = look_at(fd, &info);
+    const int why = camera || errno == ENOTTY || errno == ENODEV ? 0 : errno;
+    close(fd);
+    if (camera) { // it may have another device of that name, which gives none
+        memcpy(name, info.name, sizeof info.name);
+    }
+    return why;
+}
+
 enum hal_status linux_camera_find(const char *name, char *path, size_t size,
                                   struct linux_error *error) {
     glob_t nodes = {0};
@@ -97,15 +114,13 @@ enum hal_status linux_camera_find(const char *name, char *path, size_t size,
     linux_error_set(error, name, "no camera of that name", LINUX_CAMERA_MISSING);
     if (glob("/dev/video*", 0, NULL, &nodes) == 0) {
         for (size_t i = 0; i < nodes.gl_pathc; i++) {
-            struct linux_camera_info info = {0};
-            const int fd = open(nodes.gl_pathv[i], O_RDWR | O_NONBLOCK | O_CLOEXEC);
-            if (fd >= 0 && look_at(fd, &info) && strcmp(info.name, name) == 0 && found++ == 0U) {
+            char its_name[LINUX_CAMERA_NAME_BYTES] = "";
+            const int why = ask_name(nodes.gl_pathv[i], its_name);
+            if (why != 0 && status == HAL_ERROR_GONE) { // it may be that one
+                status =
+                    linux_error_from_errno(error, nodes.gl_pathv[i], why, LINUX_CAMERA_MISSING);
+            } else if (why == 0 && strcmp(its_name, name) == 0 && found++ == 0U) {
                 snprintf(path, size, "%s", nodes.gl_pathv[i]);
-            }
-            if (fd >= 0) {
-                close(fd);
-            } else if (errno == EACCES && status != HAL_ERROR_DENIED) { // it may be that one
-                status = linux_error_denied(error, nodes.gl_pathv[i], nodes.gl_pathv[i]);
             }
         }
     }

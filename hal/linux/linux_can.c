@@ -65,12 +65,16 @@ static enum hal_status failed(struct linux_can *can, int error_number, enum hal_
     case ENXIO:
         return set_gone(can);
     default:
-        return linux_error_from_errno(&can->error, can->name, error_number, LINK_REMEDY);
+        break;
     }
+    const enum hal_status status =
+        linux_error_from_errno(&can->error, can->name, error_number, LINK_REMEDY);
+    return status == HAL_ERROR_DENIED ? HAL_ERROR_IO : status; // it is ours
 }
 
 /// Error frames have a socket of their own, so that the state is known also when nobody receives.
-static void digest_errors(struct linux_can *can) {
+/// Returns: HAL_OK; HAL_ERROR_IO, HAL_ERROR_GONE.
+static enum hal_status digest_errors(struct linux_can *can) {
     struct kernel_can_frame frame;
     ssize_t size = 0;
     for (int i = 0; i < ERROR_FRAMES_MAX && size >= 0; i++) {
@@ -79,20 +83,18 @@ static void digest_errors(struct linux_can *can) {
             digest_error(can, &frame);
         }
     }
-    if (size < 0 && errno == ENETDOWN) {
-        set_link_down(can);
-    } else if (size < 0 && errno == ENODEV) {
-        (void)set_gone(can);
-    }
+    const enum hal_status status = size < 0 ? failed(can, errno, HAL_EMPTY) : HAL_OK;
+    return status == HAL_EMPTY ? HAL_OK : status;
 }
 
 static enum hal_status linux_can_send(void *ctx, const struct can_frame *frame) {
     struct linux_can *can = ctx;
-    if (!can->gone) {
-        digest_errors(can);
+    const enum hal_status status = can->gone ? HAL_ERROR_GONE : digest_errors(can);
+    if (status != HAL_OK) {
+        return status;
     }
-    if (can->gone || can->state.health == HAL_CAN_OFF) {
-        return can->gone ? HAL_ERROR_GONE : HAL_ERROR_DOWN;
+    if (can->state.health == HAL_CAN_OFF) {
+        return HAL_ERROR_DOWN;
     }
     struct kernel_can_frame out = {.can_id = frame->id, .len = frame->length};
     out.can_id |= (frame->flags & CAN_FRAME_EXTENDED) != 0U ? CAN_EFF_FLAG : 0U;
@@ -168,10 +170,9 @@ static enum hal_status linux_can_receive(void *ctx, struct can_frame *frame,
     const ssize_t size = read_frame(can, &got, &stamp);
     if (size < 0) {
         const enum hal_status status = failed(can, errno, HAL_EMPTY);
-        if (status == HAL_EMPTY && !can->link_down) {
-            digest_errors(can);
-        }
-        return status;
+        return status == HAL_EMPTY && !can->link_down && digest_errors(can) == HAL_ERROR_GONE
+                   ? HAL_ERROR_GONE
+                   : status;
     }
     if (size != (ssize_t)sizeof got || !translate(&got, &translated)) {
         return HAL_EMPTY; // no classic frame; there may be more
@@ -187,11 +188,9 @@ static enum hal_status linux_can_receive(void *ctx, struct can_frame *frame,
 
 static enum hal_status linux_can_state(void *ctx, struct hal_can_state *state) {
     struct linux_can *can = ctx;
-    if (!can->gone) {
-        digest_errors(can);
-    }
-    if (can->gone) {
-        return HAL_ERROR_GONE;
+    const enum hal_status status = can->gone ? HAL_ERROR_GONE : digest_errors(can);
+    if (status != HAL_OK) {
+        return status;
     }
     *state = can->state;
     state->lost_count += can->socket_drops;
@@ -239,22 +238,24 @@ static enum hal_status linux_can_set_filters(void *ctx, const struct hal_can_fil
 }
 
 /// Up again. What the sockets still have to tell of the time before is forgotten.
-static void begin_anew(struct linux_can *can) {
+static enum hal_status begin_anew(struct linux_can *can) {
     const int fds[] = {can->fd, can->error_fd};
     for (unsigned i = 0; i < 2U; i++) {
         int error;
         socklen_t size = sizeof error;
-        (void)getsockopt(fds[i], SOL_SOCKET, SO_ERROR, &error, &size);
+        if (getsockopt(fds[i], SOL_SOCKET, SO_ERROR, &error, &size) != 0) {
+            return failed(can, errno, HAL_ERROR_IO);
+        }
     }
     can->link_down = false;
     set_health(can, HAL_CAN_ACTIVE);
+    return HAL_OK;
 }
 
 static enum hal_status restart_link(struct linux_can *can) {
     const enum hal_status status = linux_can_link_is_up(can->fd, can->name, &can->error);
     if (status == HAL_OK) {
-        begin_anew(can);
-        return HAL_OK;
+        return begin_anew(can);
     }
     can->gone = status == HAL_ERROR_GONE;
     return status == HAL_ERROR_DOWN ? HAL_ERROR_DENIED : status;
@@ -281,7 +282,7 @@ static enum hal_status linux_can_restart(void *ctx) {
     can->restart_status =
         linux_can_link_restart(can->fd, can->index, can->name, &bounced, &can->error);
     if (can->restart_status == HAL_OK && bounced) {
-        begin_anew(can); // taken down and up: no error frame tells of it
+        can->restart_status = begin_anew(can); // taken down and up: no error frame tells of it
     }
     can->gone = can->restart_status == HAL_ERROR_GONE;
     return can->restart_status;

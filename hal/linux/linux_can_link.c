@@ -15,6 +15,7 @@
 /// A message of the kernel about a link is far shorter.
 #define MESSAGE_BYTES 32768
 #define LINK_REMEDY   "`ip -details link show` tells more"
+#define UP_TRIES      2
 #define DENIED_REMEDY "run as root, or set restart-ms (sudo ip link set %s type can restart-ms 100)"
 
 // ---------------------------------------------------------------- reading
@@ -125,6 +126,16 @@ static int open_routing(void) {
     return fd;
 }
 
+/// Whether a message of the type NLMSG_ERROR tells of one, which is then in errno.
+static bool is_refused(const struct nlmsghdr *head, const uint8_t *message) {
+    int32_t code = 0;
+    if (head->nlmsg_len >= NLMSG_HDRLEN + sizeof code) {
+        memcpy(&code, message + NLMSG_HDRLEN, sizeof code);
+    }
+    errno = -code;
+    return code != 0;
+}
+
 /// Calls visit for each link until it says false. False: errno tells what went wrong.
 static bool each_link(bool (*visit)(void *context, bool is_can, const struct linux_can_link *link),
                       void *context) {
@@ -148,6 +159,7 @@ static bool each_link(bool (*visit)(void *context, bool is_can, const struct lin
             memcpy(&head, buffer + at, sizeof head);
             if (head.nlmsg_len < NLMSG_HDRLEN || head.nlmsg_len > (size_t)size - at ||
                 head.nlmsg_type == NLMSG_DONE || head.nlmsg_type == NLMSG_ERROR) {
+                good = head.nlmsg_type != NLMSG_ERROR || !is_refused(&head, buffer + at);
                 more = false;
                 break;
             }
@@ -275,11 +287,13 @@ static enum hal_status bounce(int socket, const char *name, struct linux_error *
     }
     const short up = request.ifr_flags;
     request.ifr_flags = (short)(up & ~IFF_UP);
-    if (ioctl(socket, SIOCSIFFLAGS, &request) == 0) {
-        request.ifr_flags = up;
+    bool good = ioctl(socket, SIOCSIFFLAGS, &request) == 0;
+    request.ifr_flags = up;
+    for (int tries = 0; good && tries < UP_TRIES; tries++) {
         if (ioctl(socket, SIOCSIFFLAGS, &request) == 0) {
             return HAL_OK;
         }
+        good = errno != ENODEV && errno != EPERM; // whoever took it down takes it up
     }
     return errno == EPERM ? explain_denied(name, error)
                           : linux_error_from_errno(error, name, errno, LINK_REMEDY);

@@ -223,6 +223,9 @@ static enum hal_status fill_and_name(struct linux_flash_file *flash, const char 
         access(flash->path, F_OK) == 0) {
         return failed(flash, EBUSY);
     }
+    if (errno != ENOENT) { // what can't be looked at may be there
+        return failed(flash, errno);
+    }
     if (ftruncate(flash->fd, 0) != 0) {
         return failed(flash, errno);
     }

@@ -95,7 +95,7 @@ static enum hal_status open_failed(struct linux_error *error, const struct linux
     if (step == LINUX_GPIOD_CHIP) {
         return no_chip(error, pin, path);
     }
-    if (step == LINUX_GPIOD_LINE || errno == EINVAL) {
+    if (errno == EINVAL) {
         linux_error_set(error, name, "the chip has no such line",
                         "`boresight probe` tells how many it has");
         return HAL_ERROR_ARGUMENT;

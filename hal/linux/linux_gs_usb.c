@@ -235,8 +235,13 @@ static enum hal_status gs_usb_send(void *ctx, const struct can_frame *frame) {
                                                .data = slot->data,
                                                .size_bytes = FRAME_BYTES};
     const enum hal_status status = hal_usb_submit(gs->usb, &slot->transfer);
+    if (status == HAL_ERROR_GONE) {
+        return linux_gs_usb_set_gone(gs);
+    }
     if (status != HAL_OK) {
-        return status == HAL_ERROR_GONE ? linux_gs_usb_set_gone(gs) : status;
+        linux_error_set(&gs->error, gs->name, "a frame could not be handed over",
+                        "try another cable or port");
+        return status;
     }
     slot->used = true;
     if (gs->used_count == 0U) {

@@ -34,8 +34,8 @@ static const uint32_t channels_of[] = {6, 12, 18, 24};
 
 static enum hal_status submit(struct linux_maestro *maestro, struct hal_usb_transfer *transfer) {
     const enum hal_status status = hal_usb_submit(maestro->usb, transfer);
-    if (status == HAL_ERROR_GONE) {
-        maestro->gone = true;
+    maestro->gone = maestro->gone || status == HAL_ERROR_GONE;
+    if (status == HAL_ERROR_GONE || status == HAL_ERROR_IO) {
         maestro->error = maestro->own_usb.error;
     }
     return status;
@@ -132,6 +132,17 @@ static void take_answer(struct linux_maestro *maestro, const struct hal_usb_tran
     }
 }
 
+/// A pulse that got lost on its way is sent again; one that is refused would be again.
+static void take_failure(struct linux_maestro *maestro, const struct hal_usb_transfer *transfer) {
+    const bool refused = transfer->status == HAL_ERROR_UNSUPPORTED;
+    maestro->refused += refused ? 1U : 0U;
+    maestro->failed += refused ? 0U : 1U;
+    for (uint32_t i = 0; i < maestro->channel_count && !refused; i++) {
+        maestro->channel[i].dirty =
+            maestro->channel[i].dirty || transfer == &maestro->channel[i].transfer;
+    }
+}
+
 enum hal_status linux_maestro_poll(struct linux_maestro *maestro) {
     struct hal_usb_transfer *done;
     enum hal_status status = HAL_EMPTY;
@@ -139,10 +150,10 @@ enum hal_status linux_maestro_poll(struct linux_maestro *maestro) {
         if (done->status == HAL_OK) {
             take_answer(maestro, done);
         } else {
-            maestro->refused += done->status == HAL_ERROR_UNSUPPORTED;
-            maestro->failed += done->status != HAL_ERROR_UNSUPPORTED;
+            take_failure(maestro, done);
         }
     }
+    maestro->failed += status == HAL_ERROR_IO ? 1U : 0U;
     if (maestro->gone || status == HAL_ERROR_GONE) {
         maestro->gone = true;
         maestro->known = false;
@@ -151,7 +162,9 @@ enum hal_status linux_maestro_poll(struct linux_maestro *maestro) {
     }
     for (uint32_t i = 0; i < maestro->channel_count; i++) {
         if (maestro->channel[i].dirty && maestro->channel[i].transfer.status != HAL_BUSY) {
-            (void)send_target(maestro, i);
+            if (send_target(maestro, i) != HAL_OK) {
+                maestro->channel[i].dirty = true; // again at the next poll
+            }
         }
     }
     return HAL_OK;

@@ -2,12 +2,12 @@
 /// USB requests: no serial port, no kernel driver.
 ///
 /// Pulses have steps of 250 ns and a period of 20 ms. A pulse that is set while the one before is
-/// still on its way replaces it. The controller clips pulses to the limits that are stored in it
-/// (992 to 2000 us as delivered; Pololu's Control Center changes them), so set them wide enough.
-/// Call linux_maestro_poll at every tick: it moves what is under way. Shown: tests/vm/linux_usb.c
-/// (an emulated Maestro below the kernel's USB stack, with unplugging),
-/// tests/contract/linux_maestro.c (every request byte for byte; failures).
-/// Source: Pololu USB SDK, Maestro protocol.h.
+/// still on its way replaces it; one that gets lost is sent again. The controller clips pulses to
+/// the limits that are stored in it (992 to 2000 us as delivered; Pololu's Control Center changes
+/// them), so set them wide enough. Call linux_maestro_poll at every tick: it moves what is under
+/// way. Shown: tests/vm/linux_usb.c (an emulated Maestro below the kernel's USB stack, with
+/// unplugging), tests/contract/linux_maestro.c (every request byte for byte; failures). Source:
+/// Pololu USB SDK, Maestro protocol.h.
 #ifndef HAL_LINUX_MAESTRO_H
 #define HAL_LINUX_MAESTRO_H
 

@@ -56,47 +56,56 @@ static bool put_number(int fd, uint32_t number) {
     return pwrite(fd, text, (size_t)size, 0) == (ssize_t)size;
 }
 
-/// First number in a file; -1: it can't be read.
+/// First number in a file; -1: it can't be read, errno tells why.
 static long get_number(const char *folder, const char *file) {
     char path[300];
     snprintf(path, sizeof path, "%s/%s", folder, file);
     FILE *stream = fopen(path, "r");
     long number = -1;
     if (stream != NULL) {
-        if (fscanf(stream, "%ld", &number) != 1) {
-            number = -1;
-        }
+        const bool good = fscanf(stream, "%ld", &number) == 1;
         fclose(stream);
+        if (!good) {
+            errno = EIO;
+            return -1;
+        }
     }
     return number;
 }
 
 /// The kernel's driver of a chip, "" if there is none to be seen (files that stand for a chip).
-static void get_driver(const char *folder, char *driver, size_t capacity) {
+/// False: it can't be looked for, errno tells why.
+static bool get_driver(const char *folder, char *driver, size_t capacity) {
     char path[300], target[300];
     snprintf(path, sizeof path, "%s/device/driver", folder);
     const ssize_t size = readlink(path, target, sizeof target - 1U);
     target[size < 0 ? 0 : size] = '\0';
     const char *slash = strrchr(target, '/');
     snprintf(driver, capacity, "%.31s", slash != NULL ? slash + 1 : target);
+    return size >= 0 || errno == ENOENT || errno == ENOTDIR;
 }
 
-static const struct linux_pwm_kind *find_kind(const char *folder) {
+/// *kind: null if it is none of those. False: errno.
+static bool find_kind(const char *folder, const struct linux_pwm_kind **kind) {
     char driver[32];
-    get_driver(folder, driver, sizeof driver);
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-        if (strcmp(driver, kinds[i].driver) == 0) {
-            return &kinds[i];
-        }
+    *kind = NULL;
+    if (!get_driver(folder, driver, sizeof driver)) {
+        return false;
     }
-    return NULL;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        *kind = strcmp(driver, kinds[i].driver) == 0 ? &kinds[i] : *kind;
+    }
+    return true;
 }
 
-/// Outputs of a chip; -1: no such chip.
-static long count_outputs(const char *folder) {
-    const struct linux_pwm_kind *kind = find_kind(folder);
+/// Outputs of a chip, and its kind; -1: errno.
+static long count_outputs(const char *folder, const struct linux_pwm_kind **kind) {
+    if (!find_kind(folder, kind)) {
+        return -1;
+    }
     const long there = get_number(folder, "npwm");
-    return kind != NULL && there > (long)kind->output_count ? (long)kind->output_count : there;
+    const struct linux_pwm_kind *known = *kind;
+    return known != NULL && there > (long)known->output_count ? (long)known->output_count : there;
 }
 
 // ---------------------------------------------------------------- what a chip makes of it
@@ -260,6 +269,9 @@ static bool export_channel(const struct linux_pwm *pwm, uint32_t channel) {
     if (access(path, F_OK) == 0) {
         return true;
     }
+    if (errno != ENOENT) {
+        return false;
+    }
     snprintf(path, sizeof path, "%s/export", pwm->folder);
     const int fd = open(path, O_WRONLY | O_CLOEXEC);
     const bool good = fd >= 0 && put_number(fd, channel);
@@ -282,9 +294,10 @@ static bool open_files(struct linux_pwm *pwm, uint32_t channel) {
     }
     // The kernel lets several programs have one output: among those that ask, one is enough.
     if (at->enable_fd >= 0 && flock(at->enable_fd, LOCK_EX | LOCK_NB) != 0) {
+        const int why = errno;
         close(at->enable_fd);
         at->enable_fd = -1;
-        errno = EBUSY;
+        errno = why;
     }
     if (at->enable_fd < 0) {
         return false;
@@ -313,17 +326,23 @@ static enum hal_status open_channel(struct linux_pwm *pwm, uint32_t channel) {
     return open_files(pwm, channel) && quieten(pwm, at) ? HAL_OK : failed(pwm, channel);
 }
 
+static enum hal_status chip_failed(struct linux_pwm *pwm, const char *chip) {
+    if (errno != ENOENT && errno != ENOTDIR && errno != ENODEV) {
+        return linux_error_from_errno(&pwm->error, chip, errno, MISSING_REMEDY);
+    }
+    linux_error_set(&pwm->error, chip, "no such PWM chip", MISSING_REMEDY);
+    return HAL_ERROR_GONE;
+}
+
 enum hal_status linux_pwm_open(struct linux_pwm *pwm, const char *root, const char *chip,
                                uint32_t channels) {
     memset(pwm, 0, sizeof *pwm);
     snprintf(pwm->folder, sizeof pwm->folder, "%.150s/%.40s", root, chip);
     snprintf(pwm->name, sizeof pwm->name, "%.31s", chip);
     enum hal_status status = hal_pwm_bind(&pwm->hal, &ops, pwm);
-    const long there = count_outputs(pwm->folder);
-    pwm->kind = find_kind(pwm->folder);
+    const long there = count_outputs(pwm->folder, &pwm->kind);
     if (there < 0) {
-        linux_error_set(&pwm->error, chip, "no such PWM chip", MISSING_REMEDY);
-        status = HAL_ERROR_GONE;
+        status = chip_failed(pwm, chip);
     }
     for (uint32_t i = 0; i < LINUX_PWM_CHANNELS_MAX && status == HAL_OK; i++) {
         if ((channels >> i & 1U) != 0U && (long)i >= there) {
@@ -375,10 +394,11 @@ uint32_t linux_pwm_list(const char *root, struct linux_pwm_chip *chips, uint32_t
     for (int i = 0; i < found; i++) {
         char folder[300];
         snprintf(folder, sizeof folder, "%s/%s", root, entries[i]->d_name);
-        const long channels = count_outputs(folder);
+        const struct linux_pwm_kind *kind;
+        const long channels = count_outputs(folder, &kind);
         if (channels >= 0) {
             if (count < capacity) {
-                get_driver(folder, chips[count].driver, sizeof chips[count].driver);
+                (void)get_driver(folder, chips[count].driver, sizeof chips[count].driver);
                 snprintf(chips[count].name, sizeof chips[count].name, "%.31s", entries[i]->d_name);
                 chips[count].channel_count = (uint32_t)channels;
             }

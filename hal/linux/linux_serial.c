@@ -94,6 +94,8 @@ static enum hal_status linux_serial_state(void *ctx, struct hal_serial_state *st
     struct hal_serial_state now;
     const int error_number = count_errors(serial->fd, &now);
     if (error_number != 0) {
+        linux_error_set(&serial->error, serial->path, strerror(error_number),
+                        "plug it in again; `sudo dmesg | tail` may tell more");
         return failed(serial, error_number, HAL_ERROR_IO);
     }
     state->lost_count = now.lost_count - serial->at_open.lost_count;

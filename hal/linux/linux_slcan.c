@@ -296,9 +296,14 @@ static enum hal_status linux_slcan_restart(void *ctx) {
     if (slcan->state.health != HAL_CAN_OFF) {
         return HAL_OK;
     }
+    const enum hal_status status = open_channel(slcan);
+    if (status != HAL_OK) {
+        slcan->out_size = 0; // what has gone out opens nothing, and the next try begins anew
+        return status;
+    }
     linux_can_set_health(&slcan->state, HAL_CAN_ACTIVE);
     slcan->refusals = 0;
-    return open_channel(slcan);
+    return HAL_OK;
 }
 
 static const struct hal_can_ops ops = {linux_slcan_send, linux_slcan_receive, linux_slcan_state,

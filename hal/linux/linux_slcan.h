@@ -7,7 +7,7 @@
 /// refusals in a row are taken for bus-off, and restart closes and opens its channel.
 /// Filters are applied here.
 /// Shown: tests/contract/linux_slcan.c (the contract suite, between two adapters on
-/// pseudo-terminals).
+/// pseudo-terminals, with each system call failing).
 #ifndef HAL_LINUX_SLCAN_H
 #define HAL_LINUX_SLCAN_H
 

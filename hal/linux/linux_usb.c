@@ -1,6 +1,6 @@
-#include "linux/linux_usb.h"
 #include "linux/linux_usb_private.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,9 +12,9 @@
 
 #include <libusb-1.0/libusb.h>
 
-#define OTHER_REMEDY "unplug it and plug it in again; `sudo dmesg | tail` may tell more"
 /// How often close looks whether what it cancelled has ended; each time it waits 10 ms at most.
-#define CLOSE_TRIES 100
+#define CLOSE_TRIES  100
+#define OTHER_REMEDY "unplug it and plug it in again; `sudo dmesg | tail` may tell more"
 
 struct linux_usb_slot {
     struct libusb_transfer *transfer; ///< null: free
@@ -202,6 +202,14 @@ static int look(struct linux_usb *usb) {
     return code == LIBUSB_ERROR_INTERRUPTED ? 0 : code;
 }
 
+static enum hal_status look_failed(struct linux_usb *usb, int code) {
+    if (code == LIBUSB_ERROR_NO_DEVICE) {
+        return set_gone(usb);
+    }
+    linux_error_set(&usb->error, usb->name, libusb_strerror((enum libusb_error)code), OTHER_REMEDY);
+    return HAL_ERROR_IO;
+}
+
 static enum hal_status linux_usb_poll(void *ctx, struct hal_usb_transfer **done) {
     struct linux_usb *usb = ctx;
     int at = usb->done_count > 0U ? find_done(usb) : -1;
@@ -209,7 +217,7 @@ static enum hal_status linux_usb_poll(void *ctx, struct hal_usb_transfer **done)
         const int code = look(usb);
         at = usb->done_count > 0U ? find_done(usb) : -1;
         if (code != 0 && at < 0) {
-            return failed(usb, code);
+            return look_failed(usb, code);
         }
     }
     if (at < 0) {
@@ -244,88 +252,14 @@ static const struct hal_usb_ops ops = {linux_usb_identity, linux_usb_submit, lin
 
 // ---------------------------------------------------------------- opening
 
-static bool is_wanted(const struct linux_usb_wanted *wanted,
-                      const struct libusb_device_descriptor *about) {
-    bool found = false;
-    for (unsigned i = 0; i < wanted->id_count; i++) {
-        found = found || (about->idVendor == wanted->ids[i].vendor &&
-                          about->idProduct == wanted->ids[i].product);
-    }
-    return found;
-}
-
-/// As lines for people name it: by its serial number where one was asked for.
-static void name_device(struct linux_usb *usb, const struct linux_usb_wanted *wanted,
-                        const struct libusb_device_descriptor *about) {
-    const char *serial = wanted->serial_number;
-    if (serial != NULL || about == NULL) {
-        snprintf(usb->name, sizeof usb->name, "%.24s%s%.36s", wanted->what,
-                 serial != NULL ? " " : "", serial != NULL ? serial : "");
-    } else {
-        snprintf(usb->name, sizeof usb->name, "%.30s %04x:%04x", wanted->what, about->idVendor,
-                 about->idProduct);
-    }
-}
-
-/// The first device that is wanted, opened. Not found: LIBUSB_ERROR_NOT_FOUND.
-static int open_device(struct linux_usb *usb, const struct linux_usb_wanted *wanted) {
-    libusb_device **list = NULL;
-    const ssize_t count = libusb_get_device_list(usb->context, &list);
-    int result = LIBUSB_ERROR_NOT_FOUND;
-    for (ssize_t i = 0; i < count && result != 0; i++) {
-        struct libusb_device_descriptor about;
-        struct libusb_device_handle *device = NULL;
-        if (libusb_get_device_descriptor(list[i], &about) != 0 || !is_wanted(wanted, &about)) {
-            continue;
-        }
-        name_device(usb, wanted, &about);
-        result = libusb_open(list[i], &device);
-        if (result != 0) {
-            continue;
-        }
-        linux_usb_read_identity(device, &about, &usb->identity);
-        if (wanted->serial_number != NULL &&
-            strcmp(usb->identity.serial_number, wanted->serial_number) != 0) {
-            libusb_close(device);
-            result = LIBUSB_ERROR_NOT_FOUND;
-            continue;
-        }
-        usb->device = device;
-    }
-    if (list != NULL) {
-        libusb_free_device_list(list, 1);
-    }
-    return result;
-}
-
-static void find_endpoints(struct linux_usb *usb) {
-    struct libusb_config_descriptor *config = NULL;
-    if (libusb_get_active_config_descriptor(libusb_get_device(usb->device), &config) != 0) {
-        return;
-    }
-    for (unsigned i = 0; i < config->bNumInterfaces; i++) {
-        const struct libusb_interface_descriptor *at = &config->interface[i].altsetting[0];
-        for (unsigned k = 0; at->bInterfaceNumber == usb->claimed && k < at->bNumEndpoints; k++) {
-            const struct libusb_endpoint_descriptor *endpoint = &at->endpoint[k];
-            const bool in = (endpoint->bEndpointAddress & HAL_USB_IN) != 0U;
-            uint8_t *found = in ? &usb->bulk_in : &usb->bulk_out;
-            if ((endpoint->bmAttributes & 3U) == LIBUSB_TRANSFER_TYPE_BULK && *found == 0U) {
-                *found = endpoint->bEndpointAddress;
-            }
-        }
-    }
-    libusb_free_config_descriptor(config);
-}
-
 /// The file that libusb has opened for the device: the one it polls now and did not before.
-static int find_file(struct linux_usb *usb) {
+static bool find_file(struct linux_usb *usb) {
     const struct libusb_pollfd **list = libusb_get_pollfds(usb->context);
-    int newest = -1;
     for (unsigned i = 0; list != NULL && list[i] != NULL; i++) {
-        newest = (list[i]->events & POLLOUT) != 0 ? list[i]->fd : newest;
+        usb->fd = (list[i]->events & POLLOUT) != 0 ? list[i]->fd : usb->fd;
     }
     libusb_free_pollfds(list);
-    return newest;
+    return list != NULL;
 }
 
 static enum hal_status open_failed(struct linux_usb *usb, int code) {
@@ -365,28 +299,29 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
     memset(usb, 0, sizeof *usb);
     usb->gone = true;
     usb->claimed = usb->fd = -1;
-    name_device(usb, wanted, NULL);
+    linux_usb_name(usb, wanted, NULL);
     libusb_context *context = NULL;
     int code =
         hal_usb_bind(&usb->hal, &ops, usb) == HAL_OK ? libusb_init(&context) : LIBUSB_ERROR_OTHER;
     usb->context = context;
     if (code == 0) {
-        code = open_device(usb, wanted);
+        code = linux_usb_find(usb, wanted);
     }
     if (code == 0 && wanted->interface >= 0) {
         (void)libusb_set_auto_detach_kernel_driver(usb->device, 1);
         code = libusb_claim_interface(usb->device, wanted->interface);
         usb->claimed = code == 0 ? wanted->interface : -1;
-        find_endpoints(usb);
+    }
+    if (code == 0 && usb->claimed >= 0) {
+        code = linux_usb_find_endpoints(usb);
+    }
+    if (code == 0 && (!find_file(usb) || !allocate(usb))) {
+        code = LIBUSB_ERROR_NO_MEM;
     }
     // Requests to the whole device need no claim, so another program could send them as well:
     // among those that ask, one is enough.
-    usb->fd = code == 0 ? find_file(usb) : -1;
-    if (usb->fd >= 0 && flock(usb->fd, LOCK_EX | LOCK_NB) != 0) {
-        code = LIBUSB_ERROR_BUSY;
-    }
-    if (code == 0 && !allocate(usb)) {
-        code = LIBUSB_ERROR_NO_MEM;
+    if (code == 0 && usb->fd >= 0 && flock(usb->fd, LOCK_EX | LOCK_NB) != 0) {
+        code = errno == EWOULDBLOCK ? LIBUSB_ERROR_BUSY : LIBUSB_ERROR_IO;
     }
     if (code != 0) {
         const enum hal_status status = open_failed(usb, code);
@@ -399,12 +334,12 @@ enum hal_status linux_usb_open(struct linux_usb *usb, const struct linux_usb_wan
 
 /// Ends whatever is under way.
 static void cancel_all(struct linux_usb *usb) {
-    for (unsigned i = 0; i < HAL_USB_PENDING_MAX; i++) {
-        if (usb->slots[i].owner != NULL && !usb->slots[i].ended) {
-            (void)libusb_cancel_transfer(usb->slots[i].transfer);
-        }
-    }
     for (int i = 0; i < CLOSE_TRIES && usb->pending_count > 0U; i++) {
+        for (unsigned k = 0; k < HAL_USB_PENDING_MAX; k++) {
+            if (usb->slots[k].owner != NULL && !usb->slots[k].ended) {
+                (void)libusb_cancel_transfer(usb->slots[k].transfer);
+            }
+        }
         struct pollfd ended = {usb->fd, POLLOUT, 0};
         (void)look(usb);
         if (usb->done_count == 0U) {
@@ -419,11 +354,6 @@ static void cancel_all(struct linux_usb *usb) {
 void linux_usb_close(struct linux_usb *usb) {
     if (usb->slots != NULL) {
         cancel_all(usb);
-        for (unsigned i = 0; i < HAL_USB_PENDING_MAX; i++) {
-            libusb_free_transfer(usb->slots[i].transfer);
-        }
-        free(usb->slots);
-        usb->slots = NULL;
     }
     if (usb->device != NULL) {
         if (usb->claimed >= 0) {
@@ -431,6 +361,16 @@ void linux_usb_close(struct linux_usb *usb) {
         }
         libusb_close(usb->device);
         usb->device = NULL;
+    }
+    if (usb->slots != NULL) { // last: what could not be ended has ended with the device
+        for (unsigned i = 0; i < HAL_USB_PENDING_MAX; i++) {
+            if (usb->slots[i].owner != NULL) {
+                usb->slots[i].owner->status = HAL_ERROR_CANCELLED;
+            }
+            libusb_free_transfer(usb->slots[i].transfer);
+        }
+        free(usb->slots);
+        usb->slots = NULL;
     }
     if (usb->context != NULL) {
         libusb_exit(usb->context);

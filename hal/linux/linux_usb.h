@@ -4,7 +4,8 @@
 /// unplugged answers HAL_ERROR_GONE; close it and open it again when it is back. Each device has a
 /// libusb of its own, so that no other is held up and no hot-plug daemon is needed.
 /// Shown: tests/vm/linux_usb.c (the contract suite on devices emulated below the kernel's USB
-/// stack, with unplugging).
+/// stack, with unplugging and failing calls of the kernel), tests/contract/linux_usb.c (each call
+/// of the library failing, with each of its errors).
 #ifndef HAL_LINUX_USB_H
 #define HAL_LINUX_USB_H
 

@@ -9,17 +9,27 @@
 
 #include <libusb-1.0/libusb.h>
 
-void linux_usb_read_identity(struct libusb_device_handle *device,
-                             const struct libusb_device_descriptor *about,
-                             struct hal_usb_identity *identity) {
+#define SERIAL_TRIES 2
+
+int linux_usb_read_identity(struct libusb_device_handle *device,
+                            const struct libusb_device_descriptor *about,
+                            struct hal_usb_identity *identity) {
     *identity = (struct hal_usb_identity){
         .vendor = about->idVendor, .product = about->idProduct, .release_bcd = about->bcdDevice};
-    if (device != NULL && about->iSerialNumber != 0 &&
-        libusb_get_string_descriptor_ascii(device, about->iSerialNumber,
-                                           (unsigned char *)identity->serial_number,
-                                           (int)sizeof identity->serial_number) < 0) {
+    int code = 0;
+    for (int tries = 0; tries < SERIAL_TRIES && device != NULL && about->iSerialNumber != 0;
+         tries++) {
+        code = libusb_get_string_descriptor_ascii(device, about->iSerialNumber,
+                                                  (unsigned char *)identity->serial_number,
+                                                  (int)sizeof identity->serial_number);
+        if (code >= 0 || code == LIBUSB_ERROR_PIPE || code == LIBUSB_ERROR_NO_DEVICE) {
+            break;
+        }
+    }
+    if (code < 0) {
         identity->serial_number[0] = '\0';
     }
+    return code < 0 && code != LIBUSB_ERROR_PIPE ? code : 0; // refused: it has none
 }
 
 unsigned linux_usb_list(uint16_t vendor, struct hal_usb_identity *identities, unsigned capacity) {
@@ -39,7 +49,7 @@ unsigned linux_usb_list(uint16_t vendor, struct hal_usb_identity *identities, un
         if (found < capacity) {
             struct libusb_device_handle *device = NULL;
             (void)libusb_open(list[i], &device);
-            linux_usb_read_identity(device, &about, &identities[found]);
+            (void)linux_usb_read_identity(device, &about, &identities[found]);
             if (device != NULL) {
                 libusb_close(device);
             }

@@ -23,6 +23,18 @@ else
     loop tags tags tags 7 1
 fi
 
+# Frames that are old when they are told of cost nothing but their age in a manoeuvre: what goes is carried on.
+sed "s/^detect.*/detect = markers/" host-sim/rigs/camera.ini >"$dir/rigs/camera.ini"
+for late in 0 100; do
+    sed "s/^latency_ms.*/latency_ms = $late/" host-sim/scenarios/camera.ini >"$dir/scenarios/camera.ini"
+    run sim "$dir/scenarios/camera.ini" --seconds 5 --json
+    facts
+    eval "error_$late=$(fact aim_error_rms_deg)"
+done
+echo "MEASURED lamps: aim error $error_0 degrees rms by frames told at once, $error_100 when they are 100 ms old"
+awk -v fresh="$error_0" -v old="$error_100" 'BEGIN { exit !(fresh > 0 && old <= 1.15 * fresh) }'
+verdict 'old frames: what moves is where it is by now' $?
+
 # Another seed is other noise; the same one the same bits, with every compiler.
 hash_of() { "$1" sim host-sim/scenarios/camera.ini --seconds 2 --json --seed "$2" | sed 's/.*"trace_hash": "\([0-9a-f]*\)".*/\1/'; }
 first=$(hash_of build/gcc/boresight 1)

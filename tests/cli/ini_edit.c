@@ -26,7 +26,7 @@ static void expect_edit(const char *text, const struct ini_change *changes, unsi
 }
 
 static void values_change_and_nothing_else(void) {
-    const struct ini_change change[] = {{"pan", "limit", "12.5"}};
+    const struct ini_change change[] = {{"pan", "limit", "12.5", ""}};
     expect_edit("[pan]\nlimit = 7\n", change, 1, "[pan]\nlimit = 12.5\n");
     expect_edit(
         "# top\n\n [pan] ; p\n\tlimit=7\t # cable; do not raise\n\n[tilt]\nlimit = 7 # 7\n", change,
@@ -42,8 +42,25 @@ static void values_change_and_nothing_else(void) {
                 "[pan]\n# limit = 1\nlimit_min = 1\nlimit = 12.5\n");
 }
 
+/// Behind the person's own comment, and in the place of an older note.
+static void notes_stand_behind(void) {
+    const struct ini_change change[] = {{"pan", "limit", "12.5", "today: by hand"},
+                                        {"pan", "new", "1", "today"}};
+    expect_edit("[pan]\nlimit = 7\n", change, 2,
+                "[pan]\nlimit = 12.5 # measured today: by hand\nnew = 1 # measured today\n");
+    expect_edit("[pan]\nlimit = 7\t; the cable\nnew = 0 #mine\n", change, 2,
+                "[pan]\nlimit = 12.5\t; the cable # measured today: by hand\n"
+                "new = 1 #mine # measured today\n");
+    expect_edit("[pan]\r\nlimit = 7 ; the cable # measured long ago\r\nnew = 0   # measured x\r\n",
+                change, 2,
+                "[pan]\r\nlimit = 12.5 ; the cable # measured today: by hand\r\n"
+                "new = 1 # measured today\r\n");
+    const struct ini_change bare[] = {{"pan", "limit", "3", ""}}; // no note: the old one goes
+    expect_edit("[pan]\nlimit = 7 # a # measured long ago\n", bare, 1, "[pan]\nlimit = 3 # a\n");
+}
+
 static void new_keys_go_behind_the_last_of_their_section(void) {
-    const struct ini_change change[] = {{"pan", "new", "1"}, {"pan", "newer", "2"}};
+    const struct ini_change change[] = {{"pan", "new", "1", ""}, {"pan", "newer", "2", ""}};
     expect_edit("[pan]\na = 1 # x\n# about b\nb = 2\n\n# about tilt\n[tilt]\nc = 3\n", change, 2,
                 "[pan]\na = 1 # x\n# about b\nb = 2\nnew = 1\nnewer = 2\n\n# about tilt\n[tilt]\nc "
                 "= 3\n");
@@ -54,7 +71,7 @@ static void new_keys_go_behind_the_last_of_their_section(void) {
 
 static void new_sections_go_to_the_end(void) {
     const struct ini_change change[] = {
-        {"mount", "heading", "1"}, {"pan", "a", "9"}, {"mount", "roll", "2"}};
+        {"mount", "heading", "1", ""}, {"pan", "a", "9", ""}, {"mount", "roll", "2", ""}};
     expect_edit("[pan]\na = 1\n", change, 3, "[pan]\na = 9\n\n[mount]\nheading = 1\nroll = 2\n");
     expect_edit("[pan]\na = 1", change, 3, "[pan]\na = 9\n\n[mount]\nheading = 1\nroll = 2\n");
 }
@@ -81,7 +98,7 @@ static void files_are_replaced_whole(void) {
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof path, "%s/rig.ini", folder);
     snprintf(link_path, sizeof link_path, "%s/link.ini", folder);
-    const struct ini_change change = {"pan", "a", "2"};
+    const struct ini_change change = {"pan", "a", "2", ""};
     struct ini ini = {0};
     write_file(path, "[pan]\na = 1 # x\n");
     CHECK_EQ(chmod(path, 0640), 0);
@@ -107,6 +124,7 @@ static void files_are_replaced_whole(void) {
 
 int main(void) {
     TEST(values_change_and_nothing_else);
+    TEST(notes_stand_behind);
     TEST(new_keys_go_behind_the_last_of_their_section);
     TEST(new_sections_go_to_the_end);
     TEST(files_are_replaced_whole);

@@ -220,6 +220,8 @@ static void refusals_and_losses_are_counted(void) {
     CHECK_EQ(linux_maestro_poll(&maestro), HAL_OK);
     CHECK_EQ(maestro.failed, 1);
     busy = false;
+    CHECK_EQ(linux_maestro_poll(&maestro), HAL_OK); // what got lost is sent again
+    CHECK_EQ(model.target[1], 6000);
     CHECK_EQ(hal_pwm_set_pulse(&maestro.hal, 1, 1250000), HAL_OK);
     CHECK_EQ(linux_maestro_poll(&maestro), HAL_OK);
     CHECK_EQ(model.target[1], 5000);

@@ -3,6 +3,7 @@
 #include "linux/linux_pwm.h"
 #include "contract/support/contract.h"
 #include "contract/support/failing_pwm.h"
+#include "contract/support/lives.h"
 #include "contract/support/pwm_suite.h"
 #include "contract/support/syscalls.h"
 
@@ -230,6 +231,29 @@ static void a_known_chip_gets_whole_steps(void) {
     CHECK(strcmp(chip.driver, "pca9685-pwm") == 0);
 }
 
+static void live(void) {
+    struct hal_pwm_limits limits = {0};
+    if (life_note("open", linux_pwm_open(&pwm, root, "pwmchip3", 5U), &pwm.error) != HAL_OK) {
+        CHECK_EQ(hal_pwm_limits(&pwm.hal, 2, &limits), HAL_ERROR_GONE);
+        return;
+    }
+    life_note("pulse", hal_pwm_set_pulse(&pwm.hal, 2, 1500000), &pwm.error);
+    life_note("limits", hal_pwm_limits(&pwm.hal, 2, &limits), &pwm.error);
+    life_value("resolution", limits.resolution_ns);
+    life_note("period", hal_pwm_set_period(&pwm.hal, 2, 10000000), &pwm.error);
+    life_note("poll", linux_pwm_poll(&pwm), &pwm.error);
+    linux_pwm_close(&pwm);
+}
+
+static void fails_at_every_step(void) {
+    const struct life_error errors[] = {
+        LIFE_EIO, LIFE_ENODEV, LIFE_ENOMEM, {EBUSY, LIFE_STATUS(HAL_ERROR_DENIED)}};
+    linux_pwm_close(&pwm);
+    make_chip();
+    lives_each_failure(&(struct lives){
+        .device = "pwmchip3", .live = live, .errors = errors, .error_count = 4, .dies = true});
+}
+
 static void suite(const char *name, uint32_t period_step_ns) {
     reset(NULL);
     pwm_suite(&(struct pwm_fixture){.name = name,
@@ -240,6 +264,7 @@ static void suite(const char *name, uint32_t period_step_ns) {
                                     .period_step_ns = period_step_ns,
                                     .fail_at = fail_at});
     CONTRACT(name, a_write_fails_whichever);
+    CONTRACT(name, fails_at_every_step);
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 #include "linux/linux_serial.h"
 #include "contract/support/contract.h"
 #include "contract/support/line_speed.h"
+#include "contract/support/lives.h"
 #include "contract/support/serial_suite.h"
 #include "contract/support/syscalls.h"
 
@@ -69,7 +70,9 @@ static size_t peer_read(void *context, uint8_t *data, size_t capacity_bytes) {
 static void settle(void *context) {
     (void)context;
     struct pollfd ends[] = {{.fd = master, .events = POLLIN}, {.fd = serial.fd, .events = POLLIN}};
+    syscalls_watch(false);
     poll(ends, 2, 1);
+    syscalls_watch(true);
 }
 
 static void hang_up(void *context) {
@@ -385,6 +388,52 @@ static void failing_at_every_step_of_opening(void) {
     }
 }
 
+/// Until something waits to be read there.
+static void await(int fd) {
+    struct pollfd end = {.fd = fd, .events = POLLIN};
+    syscalls_watch(false);
+    CHECK_EQ(poll(&end, 1, 30000), 1);
+    syscalls_watch(true);
+}
+
+/// From opening to closing.
+static void live(void) {
+    uint8_t out = 0x35, in = 0;
+    size_t count = 0;
+    struct hal_serial_state state = {9, 9};
+    if (life_note("open", linux_serial_open(&serial, path, 115200), &serial.error) != HAL_OK) {
+        CHECK_EQ(serial.fd, -1);
+        return;
+    }
+    if (life_note("write", hal_serial_write(&serial.hal, &out, 1, &count), &serial.error) ==
+        HAL_OK) {
+        await(master);
+    }
+    life_value("written", (int64_t)count);
+    life_value("heard", (int64_t)peer_read(NULL, &in, 1));
+    CHECK_EQ(peer_write(NULL, &out, 1), 1);
+    await(serial.fd);
+    count = 0;
+    life_note("read", hal_serial_read(&serial.hal, &in, 1, &count), &serial.error);
+    life_value("read", (int64_t)count);
+    life_note("state", hal_serial_state(&serial.hal, &state), &serial.error);
+    life_value("lost", state.lost_count + state.damaged_count);
+    linux_serial_close(&serial);
+}
+
+static void fails_at_every_step(void) {
+    const uint32_t io = LIFE_STATUS(HAL_ERROR_IO), gone = LIFE_STATUS(HAL_ERROR_GONE);
+    const struct life_error errors[] = {{EIO, io | gone},
+                                        {ENODEV, gone},
+                                        LIFE_ENOMEM,
+                                        {EAGAIN, LIFE_STATUS(HAL_BUSY) | LIFE_STATUS(HAL_EMPTY) |
+                                                     io | LIFE_STATUS(HAL_ERROR_DENIED)}};
+    linux_serial_close(&serial);
+    new_line();
+    lives_each_failure(&(struct lives){
+        .device = path, .live = live, .errors = errors, .error_count = 4, .dies = true});
+}
+
 int main(void) {
     serial.fd = -1;
     reset(NULL);
@@ -409,6 +458,7 @@ int main(void) {
     CONTRACT("linux_serial", ports_without_counters);
     CONTRACT("linux_serial", ports_with_counters);
     CONTRACT("linux_serial", failing_at_every_step_of_opening);
+    CONTRACT("linux_serial", fails_at_every_step);
     linux_serial_close(&serial);
     close(master);
     return check_finish();

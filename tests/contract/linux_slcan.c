@@ -2,6 +2,8 @@
 #include "linux/linux_slcan.h"
 #include "contract/support/can_suite.h"
 #include "contract/support/contract.h"
+#include "contract/support/failing_can.h"
+#include "contract/support/syscalls.h"
 #include "linux/linux_clock.h"
 
 #include <errno.h>
@@ -28,6 +30,7 @@ struct adapter {
     uint32_t marks; ///< that have come
 };
 static struct adapter a, b;
+static struct failing_can failing; ///< in front of a
 
 /// A byte that the driver never sends. The kernel takes its time, but keeps the order: when it has
 /// come, all that the driver sent before has.
@@ -119,8 +122,20 @@ static void settle_one(struct adapter *adapter, struct adapter *other) {
 
 static void settle(void *context) {
     (void)context;
+    syscalls_watch(false);
     settle_one(&a, &b);
     settle_one(&b, &a);
+    syscalls_watch(true);
+}
+
+/// Every call of the kernel, below the driver of a.
+static void fail_kernel(bool on) {
+    syscalls_at(on ? 1 : 0, SYSCALLS_FAIL_ON, ENOMEM);
+}
+
+static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
+    (void)context;
+    return failing_can_at(&failing, nth, status);
 }
 
 static void plug_in(struct adapter *adapter) {
@@ -143,6 +158,7 @@ static void reset(void *context) {
     plug_in(&b);
     settle(NULL);
     CHECK(a.open && b.open);
+    failing_can_init(&failing, &a.port.hal, fail_kernel);
 }
 
 // ---------------------------------------------------------------- the text
@@ -452,10 +468,12 @@ int main(void) {
     reset(NULL);
     // Without a clock to compare with: the text has no time of arrival.
     can_suite(&(struct can_fixture){.name = "linux_slcan",
-                                    .a = &a.port.hal,
+                                    .a = &failing.hal,
                                     .b = &b.port.hal,
                                     .reset = reset,
-                                    .settle = settle});
+                                    .settle = settle,
+                                    .fail_at = fail_at,
+                                    .some_cannot_fail = true}); // state and restart ask nobody
     CONTRACT("linux_slcan", text_of_frames);
     CONTRACT("linux_slcan", text_of_opening_and_closing);
     CONTRACT("linux_slcan", text_that_is_received);

@@ -18,12 +18,69 @@ static struct frames frames;
 static uint8_t texture[PER_FRAME][TAGS_CELLS_MAX * TAGS_CELLS_MAX];
 
 static const struct render_backdrop rough = {3, 110.0, 70.0, 6.0};
-static const struct render_sensor webcam = {1.0, 4.0, 1.0};
+
+/// What a camera does to a picture.
+struct condition {
+    const char *name;
+    struct render_sensor sensor;
+    uint8_t black, white; ///< of the print
+    uint32_t smear_px;    ///< along the rows, as a pan during the exposure does
+    double band_depth;    ///< of the light, as it flickers down the rows of a rolling shutter
+    double outward;       ///< tags are so much nearer to the corners of the picture
+    bool covered;         ///< a bar lies over a part of each
+    double found_least, rms_most;
+};
+
+static const struct condition plain = {
+    .name = "", .sensor = {1.0, 4.0, 1.0}, .black = 25, .white = 215};
+static const struct condition *condition = &plain;
 
 /// A hole is 0 to the renderer: the tag's black is a dark grey, its white a bright one.
 static void ink(uint8_t *cells, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
-        cells[i] = cells[i] == 0U ? 25 : 215;
+        cells[i] = cells[i] == 0U ? condition->black : condition->white;
+    }
+}
+
+/// The mean of each pixel and those to its right.
+static void smear(void) {
+    for (uint32_t v = 0; v < FRAMES_HEIGHT && condition->smear_px > 1U; v++) {
+        uint8_t row[FRAMES_WIDTH];
+        const int32_t half = (int32_t)condition->smear_px / 2;
+        for (int32_t u = 0; u < FRAMES_WIDTH; u++) {
+            uint32_t sum = 0;
+            for (int32_t i = 0; i < (int32_t)condition->smear_px; i++) {
+                const int32_t at = u + i - half;
+                sum += frames.picture[v][at < 0 ? 0 : at >= FRAMES_WIDTH ? FRAMES_WIDTH - 1 : at];
+            }
+            row[u] = (uint8_t)(sum / condition->smear_px);
+        }
+        memcpy(frames.picture[v], row, sizeof row);
+    }
+}
+
+static void flicker(void) {
+    for (uint32_t v = 0; v < FRAMES_HEIGHT && condition->band_depth > 0.0; v++) {
+        const double light = 1.0 - condition->band_depth * (0.5 + 0.5 * sin(v * 6.2832 / 160.0));
+        for (uint32_t u = 0; u < FRAMES_WIDTH; u++) {
+            frames.picture[v][u] = (uint8_t)(frames.picture[v][u] * light);
+        }
+    }
+}
+
+/// A dark bar down the picture through a fifth of each tag: nothing of it can be decoded.
+static void cover(const struct render_object *objects) {
+    for (uint32_t k = 0; k < PER_FRAME && condition->covered; k++) {
+        double middle[2];
+        frames_project(&frames, objects[k].centre_m, middle);
+        for (uint32_t v = 0; v < FRAMES_HEIGHT; v++) {
+            for (int32_t u = (int32_t)middle[0] - 4; u < (int32_t)middle[0] + 5; u++) {
+                const double down = fabs(v - middle[1]);
+                if (down < 60.0 && u >= 0 && u < FRAMES_WIDTH) {
+                    frames.picture[v][u] = 90;
+                }
+            }
+        }
     }
 }
 
@@ -32,8 +89,10 @@ static void ink(uint8_t *cells, uint32_t count) {
 static struct render_object place_tag(uint32_t which, uint32_t cells, double width_px,
                                       double tilt_max_deg, double corner[4][3]) {
     const double depth = frames_any(&frames, 2.0, 6.0);
-    const double pixel[2] = {106.0 + 213.0 * (which % 3U) + frames_any(&frames, -25, 25),
-                             120.0 + 240.0 * (which / 3U) + frames_any(&frames, -25, 25)};
+    const double far = 1.0 + condition->outward;
+    const double pixel[2] = {
+        320.0 + far * (213.0 * (which % 3U) - 214.0) + frames_any(&frames, -25, 25),
+        240.0 + far * (240.0 * (which / 3U) - 120.0) + frames_any(&frames, -25, 25)};
     double ray[3];
     frames_ray(&frames, pixel, ray);
     struct render_object object = {.shape = RENDER_PLATE,
@@ -130,7 +189,10 @@ static void measure(const char *family, uint32_t frame_count, uint32_t id_count,
                 place_tag(k, cells, frames_any(&frames, low, high), tilt_max_deg, corners[k]);
         }
         const struct hal_camera_luma frame =
-            frames_draw(&frames, &rough, objects, PER_FRAME, &webcam);
+            frames_draw(&frames, &rough, objects, PER_FRAME, &condition->sensor);
+        smear();
+        flicker();
+        cover(objects);
         struct detections found = {0};
         const double start_s = frames_cpu_s();
         tags_find(tags, &frame, &model, &found);
@@ -139,13 +201,14 @@ static void measure(const char *family, uint32_t frame_count, uint32_t id_count,
         count_frame(&found, ids, objects, corners);
     }
     tags_destroy(tags);
-    printf("MEASURED %s of %.0f to %.0f px, tilted up to %.0f degrees: %u of %u found, %u wrong, "
+    printf("MEASURED %s%s of %.0f to %.0f px, tilted up to %.0f degrees: %u of %u found, %u wrong, "
            "%.3f px rms, corners %.3f, worst %.2f, bias %+.3f %+.3f, confidence from %.2f, "
            "%.0f frames a second\n",
-           family, low, high, tilt_max_deg, score.found, score.shown, score.wrong,
-           sqrt(score.squares / score.found), sqrt(score.corner_squares / score.found), score.worst,
-           score.bias[0] / score.found, score.bias[1] / score.found, score.confidence_least,
-           score.frames / score.cpu_s);
+           condition->name, family, low, high, tilt_max_deg, score.found, score.shown, score.wrong,
+           sqrt(score.squares / fmax(score.found, 1.0)),
+           sqrt(score.corner_squares / fmax(score.found, 1.0)), score.worst,
+           score.bias[0] / fmax(score.found, 1.0), score.bias[1] / fmax(score.found, 1.0),
+           score.confidence_least, score.frames / score.cpu_s);
 }
 
 static void check_score(double found_least, double rms_most) {
@@ -169,6 +232,42 @@ static void tags_of_another_family(void) {
     check_score(0.99, 0.3);
 }
 
+/// What users meet. Where the limits are is in docs/camera.md; here they are held.
+static void tags_under_harder_conditions(void) {
+    static const struct condition hard[] = {
+        {"defocused 2 px: ", {2.0, 4.0, 1.0}, 25, 215, 0, 0, 0, false, 0.9, 0.5},
+        {"defocused 3 px: ", {3.0, 4.0, 1.0}, 25, 215, 0, 0, 0, false, 0.0, 9.0},
+        {"noise 12: ", {1.0, 12.0, 1.0}, 25, 215, 0, 0, 0, false, 0.9, 0.5},
+        {"noise 25: ", {1.0, 25.0, 1.0}, 25, 215, 0, 0, 0, false, 0.0, 9.0},
+        {"contrast 60: ", {1.0, 4.0, 1.0}, 90, 150, 0, 0, 0, false, 0.9, 0.5},
+        {"contrast 30: ", {1.0, 4.0, 1.0}, 105, 135, 0, 0, 0, false, 0.0, 9.0},
+        {"smeared 3 px: ", {1.0, 4.0, 1.0}, 25, 215, 3, 0, 0, false, 0.9, 0.5},
+        {"smeared 5 px: ", {1.0, 4.0, 1.0}, 25, 215, 5, 0, 0, false, 0.0, 9.0},
+        {"smeared 9 px: ", {1.0, 4.0, 1.0}, 25, 215, 9, 0, 0, false, 0.0, 9.0},
+        {"light in bands, half as bright: ", {1.0, 4.0, 1.0}, 25, 215, 0, 0.5, 0, false, 0.9, 0.5},
+        {"toward the corners, some partly outside: ",
+         {1.0, 4.0, 1.0},
+         25,
+         215,
+         0,
+         0,
+         0.25,
+         false,
+         0.7,
+         0.5},
+        {"covered by a bar: ", {1.0, 4.0, 1.0}, 25, 215, 0, 0, 0, true, 0.0, 9.0},
+    };
+    for (size_t i = 0; i < sizeof hard / sizeof *hard; i++) {
+        condition = &hard[i];
+        for (double low = 36.0; low <= 72.0; low += 36.0) {
+            measure("tag36h11", 5, 587, low, low + 14.0, 30.0);
+            CHECK(score.found >= hard[i].found_least * score.shown && score.wrong == 0U);
+            CHECK(score.found == 0U || sqrt(score.squares / score.found) <= hard[i].rms_most);
+        }
+    }
+    condition = &plain;
+}
+
 int main(void) {
     if (tags_missing() != NULL) {
         printf("SKIP tag_frames: %s\n", tags_missing());
@@ -180,6 +279,7 @@ int main(void) {
     TEST(tags_of_30_pixels);
     TEST(tags_of_all_sizes);
     TEST(tags_of_another_family);
+    TEST(tags_under_harder_conditions);
     frames_close(&frames);
     return check_finish();
 }

@@ -69,12 +69,12 @@ static struct hal_camera_frame frame_at(uint32_t at_us) {
 }
 
 /// Waits for the worker, however busy the machine is.
-static bool collect(struct eye *eye) {
+static bool collect(struct eye *eye, uint32_t now_us) {
     struct pollfd wait = {.fd = eye_fd(eye), .events = POLLIN};
     if (poll(&wait, 1, 30000) != 1) {
         return false;
     }
-    (void)eye_collect(eye, hear, NULL);
+    (void)eye_collect(eye, now_us, hear, NULL);
     return true;
 }
 
@@ -106,7 +106,7 @@ static void a_gimbal_that_turns(void) {
             draw_lamp(5.0, shown_deg[0], shown_deg[1]);
             const struct hal_camera_frame frame = frame_at(exposed_us + 5000U);
             CHECK(eye_submit(eye, &grey, &frame) == EYE_OK);
-            CHECK(collect(eye));
+            CHECK(collect(eye, now_us));
             if (told.count > 0U) {
                 worst = fmax(worst, error_deg(&told.last, 5.0));
             }
@@ -140,7 +140,7 @@ static void what_leaves_is_gone(void) {
                                              .height_px = FRAMES_HEIGHT,
                                              .stride_bytes = FRAMES_WIDTH,
                                              .exposed_us = now_us};
-        CHECK(eye_look(eye, &luma, hear, NULL) == EYE_OK);
+        CHECK(eye_look(eye, &luma, now_us, hear, NULL) == EYE_OK);
     }
     CHECK_EQ(told.count, 4);
     CHECK_EQ(told.gone, 1);
@@ -158,10 +158,10 @@ static void frames_that_can_not_be_used(void) {
     CHECK(eye_submit(eye, &grey, &frame) == EYE_OK);
     // Until it is collected, another one is passed over, whether the worker is done or not.
     CHECK(eye_submit(eye, &grey, &frame) == EYE_BUSY);
-    CHECK(collect(eye));
+    CHECK(collect(eye, 1000000));
     CHECK(eye_submit(eye, &grey, &frame) == EYE_OK);
-    CHECK(collect(eye));
-    CHECK(eye_collect(eye, hear, NULL) == 0U);
+    CHECK(collect(eye, 1000000));
+    CHECK(eye_collect(eye, 1000000, hear, NULL) == 0U);
     frame.exposed_us = 500000; // before the first pose
     CHECK(eye_submit(eye, &grey, &frame) == EYE_UNPLACED);
     frame.exposed_us = 1000000;
@@ -171,7 +171,7 @@ static void frames_that_can_not_be_used(void) {
     mjpeg.pixels = HAL_CAMERA_MJPEG; // these bytes are no JPEG picture
     frame.size_bytes = 1000;
     CHECK(eye_submit(eye, &mjpeg, &frame) == EYE_OK);
-    CHECK(collect(eye));
+    CHECK(collect(eye, 1000000));
     const struct eye_counts counts = eye_counts_of(eye);
     CHECK_EQ(counts.frames, 2);
     CHECK_EQ(counts.busy, 1);

@@ -117,6 +117,7 @@ static void ticks_go_on_while_a_device_is_opened(void) {
     tilt = plug_in("tilt");
 
     syscalls_intruder(stand_still);
+    syscalls_spare("pthread_create ");
     syscalls_at(1, SYSCALLS_INTRUDE, 0);
     rig_devices_mend(&devices);
     while (sem_wait(&entered) != 0 && errno == EINTR) {

@@ -31,12 +31,26 @@ static const char *last_line(void) {
     return after != NULL && strncmp(line, "{\"t_s\": ", 8) == 0 ? after : line;
 }
 
+static unsigned lines_of(const char *file_path) {
+    unsigned lines = 0;
+    FILE *file = fopen(file_path, "r");
+    for (int byte; file != NULL && (byte = getc(file)) != EOF;) {
+        lines += byte == '\n';
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return lines;
+}
+
 static void a_line_an_event(void) {
-    struct run_log log;
+    static struct run_log log;
     CHECK(run_log_open(&log, path, event_loop_now_us()));
     run_log_event(&log, false, "mode", "%s %d", "tracking", 7);
+    CHECK_EQ(run_log_dropped(&log), 0); // and all is written
     CHECK(strcmp(last_line(), ", \"event\": \"mode\", \"text\": \"tracking 7\"}\n") == 0);
     run_log_event(&log, true, "device", "a \"quoted\" back\\slash and\nnewline\x01");
+    CHECK_EQ(run_log_dropped(&log), 0);
     CHECK(strcmp(last_line(),
                  ", \"event\": \"device\", \"text\": "
                  "\"a \\\"quoted\\\" back\\\\slash and\\u000anewline\\u0001\"}\n") == 0);
@@ -44,46 +58,70 @@ static void a_line_an_event(void) {
     memset(giant, '"', sizeof giant - 1U);
     giant[sizeof giant - 1U] = '\0';
     run_log_event(&log, true, "mode", "%s", giant); // cut, and still one line
+    CHECK_EQ(run_log_dropped(&log), 0);
     const char *line = last_line();
     CHECK(strlen(line) > 1000U && line[strlen(line) - 1U] == '\n' &&
           line[strlen(line) - 2U] == '}');
-    CHECK_EQ(log.dropped, 0);
     run_log_close(&log);
     CHECK(run_log_open(&log, path, event_loop_now_us())); // appends
     run_log_event(&log, false, "end", "again");
     run_log_close(&log);
-    FILE *file = fopen(path, "r");
-    int lines = 0;
-    for (int byte; file != NULL && (byte = getc(file)) != EOF;) {
-        lines += byte == '\n';
-    }
-    CHECK_EQ(lines, 4);
-    if (file != NULL) {
-        fclose(file);
-    }
+    CHECK_EQ(lines_of(path), 4);
+}
+
+/// What logrotate does, with and without `create` and `copytruncate`, while it is written to.
+static void a_file_that_is_rotated_begins_anew(void) {
+    static struct run_log log;
+    char older[sizeof path + 2U];
+    snprintf(older, sizeof older, "%s.1", path);
+    CHECK(truncate(path, 0) == 0 && run_log_open(&log, path, event_loop_now_us()));
+    run_log_event(&log, false, "mode", "one");
+    CHECK_EQ(run_log_dropped(&log), 0);
+    CHECK(rename(path, older) == 0);
+    run_log_event(&log, false, "mode", "two");
+    run_log_event(&log, false, "mode", "three");
+    CHECK_EQ(run_log_dropped(&log), 0);
+    CHECK_EQ(lines_of(older), 1);
+    CHECK_EQ(lines_of(path), 2);
+    CHECK(rename(path, older) == 0);
+    FILE *file = fopen(path, "w"); // create
+    CHECK(file != NULL && fclose(file) == 0);
+    run_log_event(&log, false, "mode", "four");
+    CHECK_EQ(run_log_dropped(&log), 0);
+    CHECK_EQ(lines_of(older), 2);
+    CHECK_EQ(lines_of(path), 1);
+    CHECK(truncate(path, 0) == 0); // copytruncate
+    run_log_event(&log, false, "mode", "five");
+    CHECK_EQ(run_log_dropped(&log), 0);
+    CHECK_EQ(lines_of(path), 1);
+    CHECK(unlink(path) == 0 && unlink(older) == 0);
+    run_log_event(&log, false, "mode", "six");
+    run_log_close(&log); // writes what is left
+    CHECK_EQ(lines_of(path), 1);
 }
 
 static void full_disk_is_counted(void) {
-    struct run_log log;
+    static struct run_log log;
     CHECK(run_log_open(&log, "/dev/full", event_loop_now_us()));
     run_log_event(&log, false, "mode", "ready");
     run_log_event(&log, false, "mode", "tracking");
-    CHECK_EQ(log.dropped, 2);
+    CHECK_EQ(run_log_dropped(&log), 2);
     run_log_close(&log);
 }
 
 static void no_log_and_no_place_for_one(void) {
-    struct run_log log;
+    static struct run_log log;
     CHECK(run_log_open(&log, NULL, 0));
     run_log_event(&log, false, "mode", "nobody hears");
-    CHECK_EQ(log.dropped, 0);
+    CHECK_EQ(run_log_dropped(&log), 0);
     char told[256] = "";
     FILE *stream = fmemopen(told, sizeof told, "w");
     message_stream(stream);
     CHECK(!run_log_open(&log, "/nowhere/at/all.log", 0));
     fclose(stream);
     message_stream(NULL);
-    CHECK(strcmp(told, "/nowhere/at/all.log: No such file or directory\n") == 0);
+    CHECK(strcmp(told,
+                 "/nowhere/at/all.log: No such file or directory; create its folder first\n") == 0);
     run_log_close(&log);
 }
 
@@ -93,7 +131,7 @@ static void journal_gets_fields(void) {
     CHECK(mkdtemp(folder) != NULL);
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     snprintf(address.sun_path, sizeof address.sun_path, "%s/socket", folder);
-    struct run_log log;
+    static struct run_log log;
     run_log_journal = address.sun_path;
     message_stream(stdout); // what is said of the first try is not the test's
     CHECK(!run_log_open(&log, "journal", event_loop_now_us())); // nobody listens
@@ -102,24 +140,35 @@ static void journal_gets_fields(void) {
     CHECK_EQ(bind(journal, (const struct sockaddr *)&address, sizeof address), 0);
     CHECK(run_log_open(&log, "journal", event_loop_now_us()));
     run_log_event(&log, false, "mode", "%s", "tracking");
+    CHECK_EQ(run_log_dropped(&log), 0); // and all is written
     ssize_t size = recv(journal, text, sizeof text - 1U, 0);
     text[size > 0 ? size : 0] = '\0';
     CHECK(strcmp(text, "PRIORITY=6\nSYSLOG_IDENTIFIER=boresight\nBORESIGHT_EVENT=mode\n"
                        "MESSAGE=tracking\n") == 0);
     run_log_event(&log, true, "fault", "two\nlines=no field"); // must not begin a field
+    CHECK_EQ(run_log_dropped(&log), 0);
     size = recv(journal, text, sizeof text - 1U, 0);
     text[size > 0 ? size : 0] = '\0';
     CHECK(strcmp(text, "PRIORITY=3\nSYSLOG_IDENTIFIER=boresight\nBORESIGHT_EVENT=fault\n"
                        "MESSAGE=two lines=no field\n") == 0);
-    CHECK_EQ(log.dropped, 0);
+    CHECK_EQ(run_log_dropped(&log), 0);
     for (int i = 0; i < 5000; i++) { // a journal that is stuck holds nobody up
         run_log_event(&log, false, "mode", "%d", i);
     }
-    CHECK(log.dropped > 0U);
+    CHECK(run_log_dropped(&log) > 0U);
     close(journal);
-    const uint64_t dropped = log.dropped;
+    const uint64_t dropped = run_log_dropped(&log);
     run_log_event(&log, false, "mode", "gone"); // and one that has ended
-    CHECK_EQ(log.dropped, dropped + 1U);
+    CHECK_EQ(run_log_dropped(&log), dropped + 1U);
+    CHECK_EQ(unlink(address.sun_path), 0);
+    const int another = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    CHECK_EQ(bind(another, (const struct sockaddr *)&address, sizeof address), 0);
+    run_log_event(&log, false, "mode", "back"); // one that was started again
+    CHECK_EQ(run_log_dropped(&log), dropped + 1U);
+    size = recv(another, text, sizeof text - 1U, MSG_DONTWAIT);
+    text[size > 0 ? size : 0] = '\0';
+    CHECK(strstr(text, "\nMESSAGE=back\n") != NULL);
+    close(another);
     run_log_close(&log);
     CHECK(unlink(address.sun_path) == 0 && rmdir(folder) == 0);
 }
@@ -131,6 +180,7 @@ int main(void) {
     }
     close(fd);
     TEST(a_line_an_event);
+    TEST(a_file_that_is_rotated_begins_anew);
     TEST(full_disk_is_counted);
     TEST(no_log_and_no_place_for_one);
     unlink(path);

@@ -62,15 +62,27 @@ static void open_both(void) {
     CHECK_EQ(linux_can_open(&b, names[1], &clock_.hal), HAL_OK);
 }
 
-/// The bus carries until nothing has moved for a while.
+/// Frames that the drivers were given, and those that have got to the adapters.
+static unsigned sent_count;
+
+static unsigned taken_count(void) {
+    return bus->node[0].taken + bus->node[1].taken;
+}
+
+/// The bus carries until all that was sent has arrived (unless it got lost), and nothing has moved
+/// for a while.
 static void settle(void) {
     unsigned before;
     bus->carries = true;
+    for (int ms = 0; ms < 3000 && taken_count() != sent_count; ms++) {
+        usleep(1000);
+    }
     do {
-        before = bus->node[0].taken + bus->node[1].taken;
+        before = taken_count();
         usleep(60000);
-    } while (bus->node[0].taken + bus->node[1].taken != before || bus->held_count > 0U ||
+    } while (taken_count() != before || bus->held_count > 0U ||
              bus->node[0].waiting + bus->node[1].waiting > 0U);
+    sent_count = taken_count();
     bus->carries = false;
 }
 
@@ -102,7 +114,9 @@ static void expect_nothing(const struct linux_can *can) {
 
 static enum hal_status send(const struct linux_can *can, uint32_t number) {
     const struct can_frame frame = numbered(number);
-    return hal_can_send(&can->hal, &frame);
+    const enum hal_status status = hal_can_send(&can->hal, &frame);
+    sent_count += status == HAL_OK ? 1U : 0U;
+    return status;
 }
 
 // ---------------------------------------------------------------- tests

@@ -4,8 +4,10 @@
 #include "contract/support/can_suite.h"
 #include "contract/support/contract.h"
 #include "contract/support/failing_can.h"
+#include "contract/support/lives.h"
 #include "contract/support/syscalls.h"
 #include "linux/linux_clock.h"
+#include "vm/support/nobody.h"
 #include "vm/support/shell.h"
 
 #include <errno.h>
@@ -13,6 +15,7 @@
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 #define can_frame kernel_can_frame
@@ -76,14 +79,14 @@ static int raw_socket(const char *name) {
 }
 
 /// Waits until a witness has seen so many frames of its own end and so many from elsewhere. A check
-/// fails if one is missing for 2 s.
+/// fails if one is missing for 30 s.
 static void await(int witness, uint32_t own, uint32_t others) {
     while (own > 0U || others > 0U) {
         struct kernel_can_frame frame;
         struct pollfd ready = {witness, POLLIN, 0};
         struct iovec data = {&frame, sizeof frame};
         struct msghdr message = {.msg_iov = &data, .msg_iovlen = 1};
-        if (!CHECK(poll(&ready, 1, 2000) == 1) || !CHECK(recvmsg(witness, &message, 0) > 0)) {
+        if (!CHECK(poll(&ready, 1, 30000) == 1) || !CHECK(recvmsg(witness, &message, 0) > 0)) {
             return;
         }
         uint32_t *seen = (message.msg_flags & MSG_DONTROUTE) != 0 ? &own : &others;
@@ -97,9 +100,11 @@ static void settle(void *context) {
     if (pair->witness_a >= 0 && pair->emulated) {
         await(pair->witness_b, counted_b.sent, counted_a.sent);
         await(pair->witness_a, counted_a.sent, counted_b.sent);
+    } else if (pair->witness_a >= 0) { // all that a virtual bus carries is this machine's own
+        await(pair->witness_a, counted_a.sent + counted_b.sent, 0);
     }
     counted_a.sent = counted_b.sent = 0;
-    // A virtual bus carries at once. From a card the kernel serves the witness first.
+    // The kernel may serve the witness first.
     usleep(pair->emulated ? 1000 : 100);
 }
 
@@ -344,6 +349,91 @@ static void refusals_say_what_to_do(void) {
                    "1000000");
 }
 
+// ---------------------------------------------------------------- errors at every step
+
+/// What a life has left down. Without a process: there are many lives.
+static void take_up(const char *name) {
+    struct ifreq request = {.ifr_flags = 0};
+    snprintf(request.ifr_name, sizeof request.ifr_name, "%s", name);
+    CHECK_EQ(ioctl(injector, SIOCGIFFLAGS, &request), 0);
+    if ((request.ifr_flags & IFF_UP) == 0) {
+        request.ifr_flags = (short)(request.ifr_flags | IFF_UP);
+        CHECK_EQ(ioctl(injector, SIOCSIFFLAGS, &request), 0);
+    }
+}
+
+/// From opening to closing; in between it is taken for down, and for bus-off, so that it is
+/// restarted both ways: vcan can't be, and is taken down and up.
+static void live(void) {
+    const struct linux_error *error = &a.error;
+    const struct can_frame frame = {.id = 5, .length = 1, .data = {7}};
+    const struct hal_can_filter all = {0};
+    struct can_frame got = {.id = 0};
+    struct hal_can_state state = {.health = HAL_CAN_OFF};
+    uint32_t at_us;
+    syscalls_watch(false);
+    take_up("vcan0");
+    syscalls_watch(true);
+    if (life_note("open", linux_can_open(&a, "vcan0", &clock_.hal), error) != HAL_OK) {
+        CHECK_EQ(hal_can_send(&a.hal, &frame), HAL_ERROR_GONE);
+        return;
+    }
+    life_note("filters", hal_can_set_filters(&a.hal, &all, 1), error);
+    life_note("send", hal_can_send(&a.hal, &frame), error);
+    syscalls_watch(false);
+    const int other = raw_socket("vcan0"); // a new one: what is down for a moment tells all others
+    CHECK_EQ(write(other, &(struct kernel_can_frame){.can_id = 9}, 16), 16);
+    close(other);
+    CHECK_EQ(poll(&(struct pollfd){a.fd, POLLIN, 0}, 1, 30000), 1);
+    syscalls_watch(true);
+    life_note("receive", hal_can_receive(&a.hal, &got, &at_us), error);
+    life_value("id", got.id);
+    life_note("state", hal_can_state(&a.hal, &state), error);
+    life_value("health", state.health);
+    for (int down = 0; down < 2; down++) {
+        a.state.health = HAL_CAN_OFF;
+        a.link_down = down != 0;
+        life_note("restart", hal_can_restart(&a.hal), error);
+        life_note("state", hal_can_state(&a.hal, &state), error);
+        life_value("health", state.health);
+    }
+    life_note("send", hal_can_send(&a.hal, &frame), error);
+    linux_can_close(&a);
+    CHECK_EQ(hal_can_send(&a.hal, &frame), HAL_ERROR_GONE);
+}
+
+static void fails_at_every_step(void) {
+    const struct life_error errors[] = {
+        LIFE_EIO,
+        LIFE_ENODEV,
+        {EACCES, LIFE_STATUS(HAL_ERROR_DENIED) | LIFE_STATUS(HAL_ERROR_IO)},
+        {EPERM, LIFE_STATUS(HAL_ERROR_DENIED) | LIFE_STATUS(HAL_ERROR_IO)}};
+    linux_can_close(&a);
+    linux_can_close(&b);
+    lives_each_failure(&(struct lives){.device = "vcan0",
+                                       .live = live,
+                                       .errors = errors,
+                                       .error_count = 4,
+                                       .share_out = true,
+                                       .stride = LIVES_VM_STRIDE,
+                                       .recover_every = 4,
+                                       .dies = true});
+}
+
+/// Whoever may use the bus may not restart it, nor anything else of the administrator's.
+static void forbidden(void) {
+    reset(&cards);
+    nobody_begin();
+    a.state.health = HAL_CAN_OFF;
+    CHECK_EQ(hal_can_restart(&a.hal), HAL_ERROR_DENIED);
+    CHECK(strcmp(a.error.line,
+                 "can0: bus-off, and this user may not restart it; run as root, or "
+                 "set restart-ms (sudo ip link set can0 type can restart-ms 100)") == 0);
+    linux_can_close(&a);
+    CHECK_EQ(linux_can_open(&a, "can0", &clock_.hal), HAL_OK); // which everybody may
+    nobody_end();
+}
+
 static const struct linux_can_link *link_of(const struct linux_can_link *links, uint32_t count,
                                             const char *name) {
     for (uint32_t i = 0; i < count; i++) {
@@ -386,5 +476,7 @@ int main(void) {
     TEST(interface_leaves_and_returns);
     TEST(refusals_say_what_to_do);
     TEST(list_tells_what_ip_link_set);
+    CONTRACT("linux_can", fails_at_every_step);
+    CONTRACT("linux_can", forbidden);
     return check_finish();
 }

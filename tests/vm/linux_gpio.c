@@ -2,9 +2,11 @@
 #include "linux/linux_gpio.h"
 #include "contract/support/contract.h"
 #include "contract/support/gpio_suite.h"
+#include "contract/support/lives.h"
 #include "contract/support/syscalls.h"
 #include "linux/linux_gpio_pulses.h"
 #include "linux/linux_gpio_steps.h"
+#include "vm/support/nobody.h"
 #include "vm/support/shell.h"
 #include "vm/support/sim_gpio.h"
 
@@ -156,8 +158,11 @@ static void steps_come_out(void) {
 /// The chip is taken away from under everything that holds its lines, and comes back.
 static void chip_leaves_and_returns(void) {
     static struct linux_gpio_pulses pulses;
+    static struct linux_gpio_steps steps;
     static const uint32_t channels[] = {9};
     reset(NULL);
+    CHECK_EQ(linux_gpio_steps_open(&steps, chip, 13, 14, 1000, 0), HAL_OK);
+    CHECK_EQ(linux_gpio_steps_go(&steps, 1000000), HAL_OK);
     CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 1), HAL_OK);
     CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 9, 1500000), HAL_OK);
     sim_gpio_remove();
@@ -171,7 +176,12 @@ static void chip_leaves_and_returns(void) {
         usleep(500);
         tries--;
     }
+    while (tries > 0 && linux_gpio_steps_presence(&steps) != HAL_ERROR_GONE) {
+        usleep(500);
+        tries--;
+    }
     CHECK(tries > 0);
+    linux_gpio_steps_close(&steps);
     linux_gpio_pulses_close(&pulses);
     linux_gpio_close(&gpio);
     CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, pins, GPIO_SUITE_LINES), HAL_ERROR_GONE);
@@ -180,6 +190,124 @@ static void chip_leaves_and_returns(void) {
     CHECK_EQ(hal_gpio_read(&gpio.hal, 0, &active), HAL_OK);
     CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 1), HAL_OK);
     linux_gpio_pulses_close(&pulses);
+}
+
+// ---------------------------------------------------------------- errors at every step
+
+static void live_with_lines(void) {
+    bool active = false;
+    if (life_note("open", linux_gpio_open(&gpio, gpio_suite_lines, pins, 4), &gpio.error) !=
+        HAL_OK) {
+        CHECK_EQ(hal_gpio_read(&gpio.hal, 0, &active), HAL_ERROR_GONE);
+        return;
+    }
+    for (uint32_t line = 0; line < 4U; line++) {
+        if (gpio_suite_lines[line].direction == HAL_GPIO_OUTPUT) {
+            life_note("write", hal_gpio_write(&gpio.hal, line, true), &gpio.error);
+        }
+        life_note("read", hal_gpio_read(&gpio.hal, line, &active), &gpio.error);
+        life_value("active", active);
+    }
+    linux_gpio_close(&gpio);
+}
+
+/// Two pulses, or however many there are until a line fails.
+static void live_with_pulses(void) {
+    static struct linux_gpio_pulses pulses;
+    static const uint32_t channels[] = {9, 10};
+    const struct linux_error *error = &pulses.error;
+    struct hal_pwm_limits limits = {0};
+    struct linux_jitter jitter = {.step = 1000};
+    if (life_note("open", linux_gpio_pulses_open(&pulses, chip, channels, 2), error) != HAL_OK) {
+        CHECK_EQ(hal_pwm_set_pulse(&pulses.hal, 9, 1500000), HAL_ERROR_GONE);
+        return;
+    }
+    life_note("period", hal_pwm_set_period(&pulses.hal, 9, 3000000), error);
+    life_note("pulse", hal_pwm_set_pulse(&pulses.hal, 9, 1000000), error);
+    for (int i = 0;
+         i < 60000 && jitter.count < 2U && hal_pwm_limits(&pulses.hal, 9, &limits) == HAL_OK; i++) {
+        usleep(500);
+        jitter = (struct linux_jitter){.step = 1000};
+        linux_gpio_pulses_jitter(&pulses, &jitter);
+    }
+    life_note("limits", hal_pwm_limits(&pulses.hal, 9, &limits), error);
+    life_value("pulses", jitter.count >= 2U);
+    linux_gpio_pulses_close(&pulses);
+}
+
+static void live_with_steps(void) {
+    static struct linux_gpio_steps steps;
+    const struct linux_error *error = &steps.error;
+    if (life_note("open", linux_gpio_steps_open(&steps, chip, 11, 12, 2000, 0), error) != HAL_OK) {
+        CHECK_EQ(linux_gpio_steps_presence(&steps), HAL_ERROR_GONE);
+        return;
+    }
+    for (int64_t target = 2; target >= 0; target -= 2) {
+        life_note("go", linux_gpio_steps_go(&steps, target), error);
+        for (int i = 0; i < 60000 && linux_gpio_steps_position(&steps) != target &&
+                        linux_gpio_steps_presence(&steps) == HAL_OK;
+             i++) {
+            usleep(500);
+        }
+        life_value("position", linux_gpio_steps_position(&steps));
+    }
+    life_note("presence", linux_gpio_steps_presence(&steps), error);
+    linux_gpio_steps_close(&steps);
+}
+
+/// gone: what a line that can't be set any more is to the threads. The library looks at the chip's
+/// file first, and has an error of its own then.
+static void each_failure(void (*live)(void), uint32_t gone) {
+    const uint32_t io = LIFE_STATUS(HAL_ERROR_IO) | LIFE_STATUS(HAL_ERROR_UNSUPPORTED) | gone;
+    const struct life_error errors[] = {{EIO, io},
+                                        {ENODEV, io | LIFE_STATUS(HAL_ERROR_GONE)},
+                                        {EACCES, io | LIFE_STATUS(HAL_ERROR_DENIED)},
+                                        {EBUSY, io | LIFE_STATUS(HAL_ERROR_DENIED)}};
+    linux_gpio_close(&gpio);
+    lives_each_failure(&(struct lives){.device = chip,
+                                       .live = live,
+                                       .errors = errors,
+                                       .error_count = 4,
+                                       .share_out = true,
+                                       .stride = LIVES_VM_STRIDE,
+                                       .recover_every = 4,
+                                       .dies = true});
+}
+
+static void lines_fail_at_every_step(void) {
+    each_failure(live_with_lines, 0);
+}
+
+static void pulses_fail_at_every_step(void) {
+    each_failure(live_with_pulses, LIFE_STATUS(HAL_ERROR_GONE));
+}
+
+static void steps_fail_at_every_step(void) {
+    each_failure(live_with_steps, LIFE_STATUS(HAL_ERROR_GONE));
+}
+
+/// The chip's file is root's.
+static void forbidden(void) {
+    static struct linux_gpio_pulses pulses;
+    static struct linux_gpio_steps steps;
+    static const uint32_t channels[] = {9};
+    char line[LINUX_ERROR_BYTES];
+    bool active;
+    linux_gpio_close(&gpio);
+    shell("chmod 600 /dev/%s", chip);
+    snprintf(line, sizeof line,
+             "/dev/%s: no permission; its mode is 600 and no group is let in: ", chip);
+    nobody_begin();
+    CHECK_EQ(linux_gpio_open(&gpio, gpio_suite_lines, pins, 1), HAL_ERROR_DENIED);
+    if (!CHECK(strncmp(gpio.error.line, line, strlen(line)) == 0)) {
+        printf("  %s\n", gpio.error.line);
+    }
+    CHECK_EQ(hal_gpio_read(&gpio.hal, 0, &active), HAL_ERROR_GONE);
+    CHECK_EQ(linux_gpio_pulses_open(&pulses, chip, channels, 1), HAL_ERROR_DENIED);
+    CHECK(strncmp(pulses.error.line, line, strlen(line)) == 0);
+    CHECK_EQ(linux_gpio_steps_open(&steps, chip, 11, 12, 1000, 0), HAL_ERROR_DENIED);
+    CHECK(strncmp(steps.error.line, line, strlen(line)) == 0);
+    nobody_end();
 }
 
 int main(void) {
@@ -206,6 +334,10 @@ int main(void) {
     CONTRACT("linux_gpio", pulses_come_out);
     CONTRACT("linux_gpio", steps_come_out);
     CONTRACT("linux_gpio", chip_leaves_and_returns);
+    CONTRACT("linux_gpio", lines_fail_at_every_step);
+    CONTRACT("linux_gpio", pulses_fail_at_every_step);
+    CONTRACT("linux_gpio", steps_fail_at_every_step);
+    CONTRACT("linux_gpio", forbidden);
     linux_gpio_close(&gpio);
     sim_gpio_remove();
     return check_finish();

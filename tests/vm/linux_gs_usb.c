@@ -9,6 +9,7 @@
 #include "contract/support/syscalls.h"
 #include "linux/linux_can.h"
 #include "linux/linux_clock.h"
+#include "vm/support/nobody.h"
 #include "vm/support/shell.h"
 #include "vm/support/usb_port.h"
 
@@ -257,6 +258,17 @@ static void refusals_say_what_to_do(void) {
     open_end(&a, 0); // none of this has left anything behind
 }
 
+static void forbidden(void) {
+    reset(NULL);
+    linux_gs_usb_close(&a);
+    nobody_begin();
+    CHECK_EQ(linux_gs_usb_open(&a, serials[0], 0, 1000000, &clock_.hal), HAL_ERROR_DENIED);
+    nobody_end();
+    expect_line("CAN adapter 0001: no permission; install the udev rules of docs/rig.md, or "
+                "run as root, and plug it in again");
+    open_end(&a, 0);
+}
+
 int main(void) {
     if (linux_usb_library() == NULL) {
         contract_skip("linux_gs_usb", "all", "built without libusb");
@@ -284,6 +296,7 @@ int main(void) {
     CONTRACT("linux_gs_usb", the_kernels_driver_agrees);
     CONTRACT("linux_gs_usb", unplugged_and_back);
     CONTRACT("linux_gs_usb", refusals_say_what_to_do);
+    CONTRACT("linux_gs_usb", forbidden);
     linux_gs_usb_close(&a);
     linux_gs_usb_close(&b);
     for (unsigned i = 0; i < 3U; i++) {

@@ -4,10 +4,14 @@
 #include "linux/linux_pwm.h"
 #include "contract/support/contract.h"
 #include "contract/support/failing_pwm.h"
+#include "contract/support/lives.h"
 #include "contract/support/pwm_suite.h"
+#include "contract/support/syscalls.h"
 #include "linux/linux_gpio.h"
+#include "vm/support/nobody.h"
 #include "vm/support/sim_pca9685.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -169,6 +173,47 @@ static void chips_are_listed(void) {
     expect_line(&pwm, "%s: has 16 outputs, 0 to 15; choose another channel");
 }
 
+static void live(void) {
+    struct hal_pwm_limits limits = {0};
+    if (life_note("open", linux_pwm_open(&pwm, LINUX_PWM_ROOT, chip, 5U), &pwm.error) != HAL_OK) {
+        CHECK_EQ(hal_pwm_limits(&pwm.hal, 2, &limits), HAL_ERROR_GONE);
+        return;
+    }
+    life_note("pulse", hal_pwm_set_pulse(&pwm.hal, 2, 1500000), &pwm.error);
+    life_note("limits", hal_pwm_limits(&pwm.hal, 2, &limits), &pwm.error);
+    life_value("resolution", limits.resolution_ns);
+    life_note("period", hal_pwm_set_period(&pwm.hal, 2, 10000000), &pwm.error);
+    life_note("poll", linux_pwm_poll(&pwm), &pwm.error);
+    linux_pwm_close(&pwm);
+}
+
+static void fails_at_every_step(void) {
+    const struct life_error errors[] = {
+        LIFE_EIO, LIFE_ENODEV, LIFE_ENOMEM, {EBUSY, LIFE_STATUS(HAL_ERROR_DENIED)}};
+    linux_pwm_close(&pwm);
+    lives_each_failure(&(struct lives){.device = chip,
+                                       .live = live,
+                                       .errors = errors,
+                                       .error_count = 4,
+                                       .share_out = true,
+                                       .stride = LIVES_VM_STRIDE,
+                                       .recover_every = 4,
+                                       .dies = true});
+}
+
+/// The kernel's files are root's.
+static void forbidden(void) {
+    struct hal_pwm_limits limits;
+    linux_pwm_close(&pwm);
+    sim_pca9685_remove(); // what was exported is open to its owner
+    sim_pca9685_create(chip, sizeof chip);
+    nobody_begin();
+    CHECK_EQ(linux_pwm_open(&pwm, LINUX_PWM_ROOT, chip, 1U), HAL_ERROR_DENIED);
+    CHECK(strstr(pwm.error.line, " output 0: no permission; ") != NULL);
+    CHECK_EQ(hal_pwm_limits(&pwm.hal, 0, &limits), HAL_ERROR_GONE);
+    nobody_end();
+}
+
 int main(void) {
     sim_pca9685_create(chip, sizeof chip);
     reset(NULL);
@@ -185,6 +230,8 @@ int main(void) {
     CONTRACT_IF(linux_gpio_library() != NULL, "built without libgpiod", "linux_pwm", output_in_use);
     CONTRACT("linux_pwm", chip_leaves_and_returns);
     CONTRACT("linux_pwm", chips_are_listed);
+    CONTRACT("linux_pwm", fails_at_every_step);
+    CONTRACT("linux_pwm", forbidden);
     linux_pwm_close(&pwm);
     sim_pca9685_remove();
     return check_finish();

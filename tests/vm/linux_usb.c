@@ -2,11 +2,15 @@
 /// kernel's own USB stack.
 #include "linux/linux_usb.h"
 #include "contract/support/contract.h"
+#include "contract/support/lives.h"
 #include "contract/support/maestro_model.h"
+#include "contract/support/syscalls.h"
 #include "contract/support/usb_suite.h"
 #include "linux/linux_maestro.h"
+#include "vm/support/nobody.h"
 #include "vm/support/usb_port.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -172,6 +176,85 @@ static void maestro_leaves_and_returns(void) {
     linux_maestro_close(&maestro);
 }
 
+// ---------------------------------------------------------------- errors at every step
+
+/// Whose nodes below /dev are root's.
+static void forbidden(void) {
+    reset(NULL);
+    linux_usb_close(&usb);
+    nobody_begin();
+    CHECK_EQ(linux_usb_open(&usb, &wanted), HAL_ERROR_DENIED);
+    CHECK(strcmp(usb.error.line,
+                 "Maestro " MAESTRO_MODEL_SERIAL ": no permission; install the udev rules of "
+                 "docs/rig.md, or run as root, and plug it in again") == 0);
+    CHECK_EQ(linux_maestro_open(&maestro, MAESTRO_MODEL_SERIAL), HAL_ERROR_DENIED);
+    CHECK_EQ(hal_pwm_set_pulse(&maestro.hal, 0, 1500000), HAL_ERROR_GONE);
+    nobody_end();
+}
+
+/// Until the device has been asked so often, and a moment for the answer.
+static void await_requests(uint32_t count) {
+    for (int ms = 0; ms < 30000 && model->requests < count; ms++) {
+        usleep(1000);
+    }
+    usleep(2000);
+}
+
+/// From opening to closing, with a read under way in the end.
+static void live(void) {
+    static uint8_t data[140], in[64];
+    static struct hal_usb_transfer question, reading;
+    struct hal_usb_transfer *done = NULL;
+    const uint32_t before = model->requests;
+    question = (struct hal_usb_transfer){.kind = HAL_USB_CONTROL,
+                                         .setup = {.request_type = 0xC0, .request = 0x83},
+                                         .data = data,
+                                         .size_bytes = sizeof data,
+                                         .timeout_us = 300000};
+    reading = (struct hal_usb_transfer){
+        .kind = HAL_USB_BULK, .endpoint = 0x81, .data = in, .size_bytes = sizeof in};
+    if (life_note("open", linux_usb_open(&usb, &wanted), &usb.error) != HAL_OK) {
+        CHECK_EQ(hal_usb_submit(&usb.hal, &question), HAL_ERROR_GONE);
+        return;
+    }
+    life_value("serial", strcmp(usb.identity.serial_number, MAESTRO_MODEL_SERIAL));
+    life_value("endpoints", usb.bulk_in * 256 + usb.bulk_out);
+    if (life_note("ask", hal_usb_submit(&usb.hal, &question), &usb.error) == HAL_OK) {
+        await_requests(before + 1U);
+        enum hal_status status = HAL_EMPTY;
+        for (int i = 0; i < 30000 && status == HAL_EMPTY; i++) {
+            status = hal_usb_poll(&usb.hal, &done);
+            usleep(status == HAL_EMPTY ? 1000 : 0);
+        }
+        life_note("poll", status, &usb.error);
+        life_value("bytes", question.actual_bytes);
+    }
+    life_note("read", hal_usb_submit(&usb.hal, &reading), &usb.error);
+    linux_usb_close(&usb);
+    CHECK(reading.status != HAL_BUSY && question.status != HAL_BUSY);
+}
+
+/// Below the library, which has its own mind about errors: a device that it can't look at is none.
+/// It looks at all there are in a thousand calls; those are spared, and of the others each fourth
+/// fails. Writing is how its threads call each other, and they wait for it for ever.
+/// tests/contract/linux_usb.c has every error of every call of the library's own.
+static void fails_at_every_step(void) {
+    const uint32_t any = LIFE_STATUS(HAL_ERROR_IO) | LIFE_STATUS(HAL_ERROR_GONE);
+    const struct life_error errors[] = {
+        {EIO, any}, {ENODEV, any}, {ENOMEM, any}, {EACCES, any | LIFE_STATUS(HAL_ERROR_DENIED)}};
+    reset(NULL);
+    linux_usb_close(&usb);
+    lives_each_failure(
+        &(struct lives){.device = "Maestro",
+                        .live = live,
+                        .errors = errors,
+                        .error_count = 4,
+                        .share_out = true,
+                        .stride = 4,
+                        .spared = "write read close access readlink fopen opendir poll ",
+                        .recover_every = 20});
+}
+
 int main(void) {
     if (linux_usb_library() == NULL) {
         contract_skip("linux_usb", "all", "built without libusb");
@@ -191,6 +274,8 @@ int main(void) {
     CONTRACT("linux_usb", refusals_say_what_to_do);
     CONTRACT("linux_maestro", maestro_moves_servos);
     CONTRACT("linux_maestro", maestro_leaves_and_returns);
+    CONTRACT("linux_usb", forbidden);
+    CONTRACT("linux_usb", fails_at_every_step);
     linux_usb_close(&usb);
     usb_port_unplug(&port);
     return check_finish();

@@ -11,10 +11,19 @@ vm_programs += $(B)/gcc/tests/vm/linux_gpio_2
 $(B)/gcc/tests/vm/linux_gpio_2: hal/linux/linux_gpiod_2.c $(B)/gcc/tests/vm/linux_gpio.o $(B)/gcc/libtest.a $(gcc_libs) hal/linux/linux_gpiod.h hal/linux/linux_gpio.h tests/vm/packages.sh
 	@rm -f $@
 	$(say) LD $@
-	@from=$$(sh tests/vm/packages.sh trixie "$$(dpkg --print-architecture)" libgpiod-dev) || exit 0; \
+	@from=$$(sh tests/vm/packages.sh trixie libgpiod-dev) || exit 0; \
 	$(gcc_cc) $(common) $(gcc_flags) -isystem "$$from/usr/include" $(host_flags) -o $@ $(filter %.c %.o %.a,$^) "$$from"/usr/lib/*/libgpiod.a \
 	    -Wl,--as-needed -ljansson $(filter-out -lgpiod,$(feature_libs)) -lmpfr -lgmp -lm
 endif
+
+# What is put between a program and the C library, to see what it does.
+watch_loop := $(B)/gcc/tests/vm/preload/watch_loop.so
+$(watch_loop): tests/vm/preload/watch_loop.c
+	@mkdir -p $(@D)
+	$(say) LD $@
+	$(gcc_cc) $(common) $(gcc_flags) -U_GNU_SOURCE -shared -fPIC -o $@ $< -ldl
+vm_programs += $(watch_loop)
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/run_aside.log): $(watch_loop)
 
 # Without what it needs they are skipped, by name.
 .PHONY: need-vm check-vm check-vm-run

@@ -1,5 +1,6 @@
 #include "detect/eye.h"
 
+#include "detect/foresight.h"
 #include "side_job.h"
 
 #include "linux/linux_luma.h"
@@ -21,6 +22,7 @@ struct job {
     struct hal_camera_format format;
     struct hal_camera_frame frame;
     struct camera_pose pose;
+    uint32_t exposed_us; ///< by its stamp, less the latency
     // Results.
     bool decoded;
     struct camera_model model;
@@ -33,6 +35,7 @@ enum job_state { JOB_NONE, JOB_WAITING, JOB_DONE, JOB_END };
 struct eye {
     struct eye_settings settings;
     struct pose_history history;
+    struct foresight foresight;
     struct detector *detector; ///< for frames of that size
     uint32_t width_px, height_px;
     struct linux_luma luma;
@@ -74,13 +77,18 @@ static double angle_around(const struct camera_model *model, const double pixel[
     return widest;
 }
 
-bool eye_update_of(const struct detection *detection, const struct camera_model *model,
-                   const struct camera_view *view, struct target_update *update) {
+/// With foresight: where it is now_us; NULL: where it was seen.
+static bool update_of(const struct detection *detection, const struct camera_model *model,
+                      const struct camera_view *view, struct foresight *foresight, uint32_t seen_us,
+                      uint32_t now_us, struct target_update *update) {
     double ray[3], world[3];
     if (!camera_model_ray(model, detection->pixel, ray)) {
         return false;
     }
     camera_view_to_world(view, ray, world);
+    if (foresight != NULL) {
+        foresight_see(foresight, detection->id, seen_us, now_us, world);
+    }
     const double radius = angle_around(model, detection->pixel, ray, detection->radius_px);
     *update = (struct target_update){.kind = TARGET_DIRECTION,
                                      .id = detection->id,
@@ -89,6 +97,11 @@ bool eye_update_of(const struct detection *detection, const struct camera_model 
                                      .direction = camera_direction_q30(world),
                                      .radius_bam32 = (uint32_t)(radius * RADIAN_BAM)};
     return true;
+}
+
+bool eye_update_of(const struct detection *detection, const struct camera_model *model,
+                   const struct camera_view *view, struct target_update *update) {
+    return update_of(detection, model, view, NULL, 0, 0, update);
 }
 
 // ---------------------------------------------------------------- a frame
@@ -122,7 +135,7 @@ static void work_on(struct eye *eye, const struct hal_camera_luma *frame) {
     eye->counts.work_us_max = took_us > eye->counts.work_us_max ? took_us : eye->counts.work_us_max;
 }
 
-static uint32_t tell(struct eye *eye,
+static uint32_t tell(struct eye *eye, uint32_t at_us,
                      void (*give)(void *context, const struct target_update *update),
                      void *context) {
     const struct job *job = &eye->job;
@@ -134,12 +147,14 @@ static uint32_t tell(struct eye *eye,
     const uint64_t before = eye->counts.updates + eye->counts.gone;
     for (uint32_t i = 0; i < job->found.gone_count; i++) {
         const struct target_update update = {.kind = TARGET_GONE, .id = job->found.gone[i]};
+        foresight_forget(&eye->foresight, update.id);
         give(context, &update);
         eye->counts.gone++;
     }
     for (uint32_t i = 0; i < job->found.count; i++) {
         struct target_update update;
-        if (eye_update_of(&job->found.item[i], &job->model, &job->view, &update)) {
+        if (update_of(&job->found.item[i], &job->model, &job->view, &eye->foresight,
+                      job->exposed_us, at_us, &update)) {
             give(context, &update);
             eye->counts.updates++;
         }
@@ -150,6 +165,7 @@ static uint32_t tell(struct eye *eye,
 /// The pose in the middle of the frame's exposure.
 static bool place(struct eye *eye, uint32_t stamp_us) {
     const uint32_t at_us = stamp_us - (uint32_t)eye->settings.latency_us;
+    eye->job.exposed_us = at_us;
     if (pose_history_at(&eye->history, at_us, &eye->job.pose) != POSE_OK) {
         eye->counts.unplaced++;
         return false;
@@ -196,6 +212,7 @@ struct eye *eye_create(const struct eye_settings *settings) {
     }
     eye->settings = *settings;
     pose_history_init(&eye->history);
+    foresight_init(&eye->foresight);
     pthread_mutex_init(&eye->mutex, NULL);
     pthread_cond_init(&eye->changed, NULL);
     eye->done_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -285,7 +302,7 @@ int eye_fd(const struct eye *eye) {
     return eye->done_fd;
 }
 
-uint32_t eye_collect(struct eye *eye,
+uint32_t eye_collect(struct eye *eye, uint32_t at_us,
                      void (*give)(void *context, const struct target_update *update),
                      void *context) {
     eventfd_t ignored;
@@ -296,21 +313,21 @@ uint32_t eye_collect(struct eye *eye,
     if (!done) {
         return 0;
     }
-    const uint32_t told = tell(eye, give, context);
+    const uint32_t told = tell(eye, at_us, give, context);
     pthread_mutex_lock(&eye->mutex);
     eye->state = JOB_NONE;
     pthread_mutex_unlock(&eye->mutex);
     return told;
 }
 
-enum eye_status eye_look(struct eye *eye, const struct hal_camera_luma *frame,
+enum eye_status eye_look(struct eye *eye, const struct hal_camera_luma *frame, uint32_t at_us,
                          void (*give)(void *context, const struct target_update *update),
                          void *context) {
     if (!place(eye, frame->exposed_us)) {
         return EYE_UNPLACED;
     }
     work_on(eye, frame);
-    (void)tell(eye, give, context);
+    (void)tell(eye, at_us, give, context);
     return eye->job.decoded ? EYE_OK : EYE_ERROR_FRAME;
 }
 

@@ -68,15 +68,15 @@ bool eye_is_idle(struct eye *eye);
 int eye_fd(const struct eye *eye);
 
 /// Gives the updates of the frame that is done, if there is one: each detection as a direction in
-/// the world with its angular radius, and TARGET_GONE for those that were followed and are no
-/// more. Returns how many.
-uint32_t eye_collect(struct eye *eye,
+/// the world, where it is at now_us (detect/foresight.h), with its angular radius, and TARGET_GONE
+/// for those that were followed and are no more. Returns how many.
+uint32_t eye_collect(struct eye *eye, uint32_t now_us,
                      void (*give)(void *context, const struct target_update *update),
                      void *context);
 
 /// A frame, worked on at once in the caller's thread: eye_submit and eye_collect in one. For the
 /// simulator; not while a submitted frame is out.
-enum eye_status eye_look(struct eye *eye, const struct hal_camera_luma *frame,
+enum eye_status eye_look(struct eye *eye, const struct hal_camera_luma *frame, uint32_t now_us,
                          void (*give)(void *context, const struct target_update *update),
                          void *context) MUST_CHECK;
 

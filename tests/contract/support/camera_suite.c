@@ -357,9 +357,9 @@ static void exercise(struct contract_plan *plan) {
 }
 
 static void fails_at_every_call(void) {
-    contract_each_failure(
-        &(struct contract_failures){fixture->context, fixture->reset, fixture->fail_at, false},
-        exercise);
+    contract_each_failure(&(struct contract_failures){fixture->context, fixture->reset,
+                                                      fixture->fail_at, fixture->some_cannot_fail},
+                          exercise);
 }
 
 static void run(const char *test, void (*function)(void)) {

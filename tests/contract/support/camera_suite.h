@@ -24,6 +24,7 @@ struct camera_fixture {
     const char *(*excuse)(void);
     /// See contract.h.
     bool (*fail_at)(void *context, uint32_t nth, enum hal_status status);
+    bool some_cannot_fail;
 };
 
 /// Needs reset and settle.

@@ -357,8 +357,9 @@ static void exercise(struct contract_plan *plan) {
     const struct hal_can_filter all = {0};
     for (uint32_t i = 0; i < 3U; i++) {
         const struct can_frame out = numbered(i), in = numbered(100U + i);
-        CONTRACT_DO(plan, hal_can_send(fixture->a, &out));
         CHECK_EQ(hal_can_send(fixture->b, &in), HAL_OK);
+        settle();
+        CONTRACT_DO(plan, hal_can_send(fixture->a, &out)); // while something waits to be received
         settle();
         struct can_frame got = out;
         uint32_t received_us = 54321;

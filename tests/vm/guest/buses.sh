@@ -27,7 +27,7 @@ end_serve() { # NUMBER
     eval "kill -INT \$server$1; wait \$server$1"
 }
 start() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --arm --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
+    watched "$boresight" run "$work/rig.ini" --json --arm --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
@@ -120,3 +120,4 @@ verdict buses.bus_off_was_restarted $? "$work/run.json"
 verdict buses.candump_saw_the_requests $?
 kill $witness $candles
 wait $candles
+loop_only_waits buses

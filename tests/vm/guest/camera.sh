@@ -1,6 +1,8 @@
 # Cameras: the kernel's vivid, and a USB camera emulated below uvcvideo.
 . tests/vm/guest/check.sh
 load vivid n_devs=1 node_types=0x1
+"$VM_PROGRAMS/linux_vivid"
+verdict camera$VM_SUFFIX.linux_vivid_ended_well $?
 load -a vhci-hcd uvcvideo
 "$VM_PROGRAMS/linux_camera"
 verdict camera$VM_SUFFIX.linux_camera_ended_well $?
@@ -42,7 +44,7 @@ latency_ms = 60
 tick_us = 10000
 END
 start() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
+    watched "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 end() { # STATUS
@@ -135,3 +137,4 @@ unplug
 wait $runner
 [ $? -eq 4 ] && says 'the camera has left'
 verdict camera.a_lost_camera_is_status_4 $? "$work/run.err"
+loop_only_waits camera

@@ -13,6 +13,14 @@ verdict() {
     echo "FAIL vm.$name"
 }
 
+# watched PROGRAM ARGUMENT...: as it is, and $work/loop names what its loop opens and waits for (preload/watch_loop.c); in the
+# place of this shell: give it an `&`, or brackets. loop_only_waits GROUP: nothing, in none of them.
+watched() { exec env WATCH_LOOP="$work/loop" LD_PRELOAD="$VM_TESTS/gcc/tests/vm/preload/watch_loop.so" "$@"; }
+loop_only_waits() {
+    grep -q '^loop' "$work/loop" && ! grep -qv '^loop' "$work/loop"
+    verdict "$1.its_loop_opens_nothing" $? "$work/loop"
+}
+
 # serve: the drives of $work/served.ini, simulated, on vcan0, beside what follows; end_serve: no more.
 serve() {
     "$boresight" sim "$work/served.ini" --serve can:vcan0 --json >"$work/serve.json" 2>"$work/serve.err" &

@@ -13,7 +13,7 @@ elif [ -x "$VM_PROGRAMS/linux_gpio_2" ]; then
     sed 's/ linux_gpio\./ linux_gpio_2./' /tmp/gpio2
     verdict gpio.linux_gpio_2_ended_well $status
 else
-    echo "SKIP gpio.linux_gpio_2: Debian's libgpiod 2.x can not be had here (sh tests/vm/packages.sh trixie amd64 libgpiod-dev)"
+    echo "SKIP gpio.linux_gpio_2: Debian's libgpiod 2.x can not be had here (sh tests/vm/packages.sh trixie libgpiod-dev)"
 fi
 # PWM: the kernel's driver of the PCA9685 on the registers of i2c-stub.
 rmmod gpio-sim 2>/dev/null

@@ -17,7 +17,7 @@ printf 'estop = rig-lines:1\nenable = rig-lines:2\n\n[controller]\ntick_us = 100
 printf '{"id": 1, "dir": [0.5, 1, 0.2]}\n' >"$work/targets.jsonl"
 
 start() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --seconds 300 --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
+    watched "$boresight" run "$work/rig.ini" --json --seconds 300 --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
@@ -212,3 +212,4 @@ echo "$i2c-0040" >$driver/unbind
 wait $runner
 [ $? -eq 4 ] && says 'the chip has gone'
 verdict rig.a_lost_pwm_chip_is_status_4 $? "$work/run.err"
+loop_only_waits rig

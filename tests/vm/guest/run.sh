@@ -82,7 +82,7 @@ drive --arm --seconds 20
 verdict run.silent_drives_at_the_start_are_status_4 $? "$work/run.err"
 
 in_background() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json "$@" >"$work/run.json" 2>"$work/run.err" &
+    watched "$boresight" run "$work/rig.ini" --json "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
 tracks() { [ "$(grep -c 'run: tracking' "$work/run.err")" -ge "$1" ]; }
@@ -165,3 +165,4 @@ until_true 30 grep -q '^MESSAGE=exit status 0$' "$work/journal" && grep -q '^SYS
     grep -q '^BORESIGHT_EVENT=mode$' "$work/journal"
 verdict run.journal_has_the_events $? "$work/journal"
 kill $journal
+loop_only_waits run

@@ -42,6 +42,10 @@ struct server {
         uint32_t size;
     } pending[PENDING_MAX];
     unsigned pending_count;
+    uint32_t newest; ///< sequence number of a transfer, in our order of bytes
+    struct early {
+        uint32_t sequence, wanted; ///< as received; 0: none
+    } early;
     uint8_t data[DATA_MAX];
 };
 
@@ -150,8 +154,21 @@ static void serve_pending(struct server *server) {
     }
 }
 
+static void answer_unlink(struct server *server, uint32_t sequence, int status) {
+    struct header reply = {.command = htonl(UNLINKED), .sequence = sequence};
+    reply.args[0] = htonl((uint32_t)status);
+    transfer(server->fd, &reply, sizeof reply, true);
+}
+
+/// The kernel can send this before the transfer that it is about: of what lies between its two
+/// lists, a transfer and its end. Answered at once, it would take back that transfer, and take the
+/// answer to it for a broken connection.
 static void unlink_pending(struct server *server, const struct header *header) {
     int status = 0;
+    if ((int32_t)(ntohl(header->args[0]) - server->newest) > 0) {
+        server->early = (struct early){header->sequence, header->args[0]};
+        return;
+    }
     for (unsigned i = 0; i < server->pending_count; i++) {
         if (server->pending[i].sequence == header->args[0]) {
             server->pending_count--;
@@ -161,9 +178,7 @@ static void unlink_pending(struct server *server, const struct header *header) {
             break;
         }
     }
-    struct header reply = {.command = htonl(UNLINKED), .sequence = header->sequence};
-    reply.args[0] = htonl((uint32_t)status);
-    transfer(server->fd, &reply, sizeof reply, true);
+    answer_unlink(server, header->sequence, status);
 }
 
 static void submit(struct server *server, const struct header *header) {
@@ -172,6 +187,12 @@ static void submit(struct server *server, const struct header *header) {
     const uint32_t size = ntohl(header->args[1]) < DATA_MAX ? ntohl(header->args[1]) : DATA_MAX;
     if (!in && size > 0U) {
         transfer(server->fd, server->data, size, false);
+    }
+    server->newest = ntohl(header->sequence);
+    if (server->early.wanted == header->sequence) {
+        server->early.wanted = 0;
+        answer_unlink(server, server->early.sequence, -ECONNRESET);
+        return;
     }
     if (endpoint == 0U) {
         int count = control(server, header->setup, u16_at(header->setup + 6));
