@@ -1,10 +1,14 @@
-/// Reading buses from a rig file.
+/// Reading buses from a rig file; a serial adapter that leaves.
 #include "rig_bus.h"
 
 #include "check.h"
+#include "linux/linux_clock.h"
 
+#include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static void texts_that_are_buses(void) {
     static const struct {
@@ -69,8 +73,38 @@ static void texts_that_are_none(void) {
     CHECK(!rig_bus_parse(text, &got));
 }
 
+/// Held open, it would come back under another name.
+static void a_serial_adapter_that_leaves_is_let_go(void) {
+    static struct rig_buses buses;
+    static struct rig rig;
+    static char text[80];
+    struct linux_clock clock;
+    const int master = posix_openpt(O_RDWR | O_NOCTTY);
+    CHECK(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+    snprintf(text, sizeof text, "slcan:%s", ptsname(master));
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        rig.controller.axis[axis].drive =
+            (struct drive_config){.kind = DRIVE_RMD, .rmd = {.id = (uint8_t)(axis + 1U)}};
+        rig.bus[axis] = text;
+    }
+    linux_clock_open(&clock, 0);
+    CHECK(rig_buses_find(&buses, &rig, &clock.hal));
+    CHECK_EQ(rig_buses_open(&buses), HAL_OK);
+    CHECK(rig_buses_newly_lost(&buses) == NULL);
+    close(master);
+    struct can_frame frame;
+    uint32_t at_us;
+    CHECK_EQ(hal_can_receive(buses.hal, &frame, &at_us), HAL_ERROR_GONE);
+    const char *line = rig_buses_newly_lost(&buses);
+    CHECK(line != NULL && strstr(line, "the device has left; plug it in again") != NULL);
+    CHECK_EQ(buses.bus[0].slcan.serial.fd, -1);
+    CHECK(rig_buses_incomplete(&buses));
+    rig_buses_close(&buses);
+}
+
 int main(void) {
     TEST(texts_that_are_buses);
     TEST(texts_that_are_none);
+    TEST(a_serial_adapter_that_leaves_is_let_go);
     return check_finish();
 }
