@@ -8,7 +8,7 @@ quoted() { tr '\n' ' ' <"$1" | grep -o '`[^`]*`' | tr -d '`'; }
 
 # commands FILE: `boresight COMMAND` and its options that the program does not know.
 commands() {
-    quoted "$1" | grep -o 'boresight [a-z]*.*' | while read -r _ command words; do
+    quoted "$1" | grep -oE '(^| )boresight [a-z]*.*' | while read -r _ command words; do
         if ! "$boresight" help "$command" >"$dir/help" 2>/dev/null; then
             echo "no command: $command"
             continue
