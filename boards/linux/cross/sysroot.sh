@@ -45,6 +45,10 @@ for package in "$work"/fetched/*.deb; do
     dpkg -x "$package" "$work" || exit 1
 done
 rm -rf "$work/fetched" "$work/usr/share" "$work/usr/bin"
+# Links from the root name this machine's files: from here on they name the other's.
+find "$work" -type l -lname '/*' | while read -r link; do
+    ln -sfr "$work$(readlink "$link")" "$link"
+done
 touch "$work/ready"
 mv -T "$work" "$made" 2>/dev/null || [ -e "$made/ready" ] || exit 1
 trap - EXIT
