@@ -234,6 +234,15 @@ static void serve(int fd, int kick_fd, const struct usb_model *model) {
 
 // ---------------------------------------------------------------- plugging
 
+/// What the test has open is none of the device's: whatever it has locked would stay so.
+static void close_others(int kept, int also_kept) {
+    for (int fd = 3; fd < 1024; fd++) {
+        if (fd != kept && fd != also_kept) {
+            close(fd);
+        }
+    }
+}
+
 void usb_port_plug(struct usb_port *port, unsigned number, const struct usb_model *model) {
     int ends[2];
     char text[64];
@@ -251,7 +260,7 @@ void usb_port_plug(struct usb_port *port, unsigned number, const struct usb_mode
     port->child = fork();
     if (port->child == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
-        close(ends[0]);
+        close_others(ends[1], port->kick_fd);
         serve(ends[1], port->kick_fd, model);
     }
     close(ends[0]);
