@@ -34,8 +34,7 @@ calibrate
 verdict calibrate.silent_drives_are_status_4 $? "$work/err"
 
 # ---------------------------------------------------------------- a whole measurement
-timeout 600 candump -L vcan0 >"$work/candump" &
-witness=$!
+record vcan0
 "$boresight" config check "$work/before.ini" >"$work/check"
 # profile AXIS FIELD: seconds that 10 (1) and 90 degrees (2) take at best.
 profile() { sed -n "s/^  $1 *turns 10 degrees in \([0-9.]*\) s and 90 degrees in \([0-9.]*\) s.*/\\$2/p" "$work/check"; }
@@ -98,7 +97,7 @@ else
     verdict calibrate.the_rig_runs_with_it $? "$work/err"
 fi
 # Requests of positions to both drives, and nobody else on the bus.
-kill $witness
+end_record
 grep -q ' 141#A4' "$work/candump" && grep -q ' 142#A4' "$work/candump" && ! grep -qvE ' (14|24)[12]#[0-9A-F]{16}$' "$work/candump"
 verdict calibrate.candump_saw_the_moves $?
 

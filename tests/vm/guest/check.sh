@@ -30,3 +30,15 @@ end_serve() {
     kill -INT $server
     wait $server
 }
+
+# record INTERFACE: candump writes what is on it to $work/candump, from when this returns; end_record: until all of it is there.
+record() {
+    timeout 600 candump -L "$1" >"$work/candump" &
+    witness=$!
+    until_true 60 listens "$1"
+}
+listens() { grep -q " $1 .*raw" /proc/net/can/rcvlist_all; }
+end_record() {
+    kill $witness
+    wait $witness
+}

@@ -1,5 +1,5 @@
-# The program as it is built for a Raspberry Pi (64 bits), on Debian's kernel for its processor: the closed loop on SocketCAN, a camera,
-# what `probe` finds, and a servo on a plain line. busybox for all else.
+# The program as it is built for a Raspberry Pi (64 bits), on Debian's kernel for its processor: the closed loop on SocketCAN, a camera
+# and lines that `probe` finds. busybox for all else.
 . tests/vm/guest/check.sh
 load -a vcan can_raw
 boresight=$VM_TESTS/aarch64-linux-gnu/boresight
@@ -36,8 +36,7 @@ cat >"$work/targets.jsonl" <<'END'
 {"t_us": 0, "id": 3, "dir": [0.3, 0.8, 0.15]}
 END
 sed 's/.*\[\(.*\)\].*/\1/; s/,//g' "$work/targets.jsonl" >"$work/points"
-timeout 600 candump -L vcan0 >"$work/candump" &
-witness=$!
+record vcan0
 serve
 "$boresight" run "$work/rig.ini" --json --stay --arm --targets "$work/targets.jsonl" --state 0.5 >"$work/run.json" 2>"$work/run.err" &
 runner=$!
@@ -55,7 +54,7 @@ wait $runner
 verdict pi.closed_loop_ends_well $? "$work/run.err"
 end_serve
 verdict pi.drives_end_well $? "$work/serve.err"
-kill $witness
+end_record
 near "$(fact "$work/serve.json" pan_deg)" "$pan" 0.1 && [ "$(fact "$work/serve.json" violations)" = 0 ]
 verdict pi.drives_are_where_they_were_sent $? "$work/serve.json"
 seen() { grep -c " $1" "$work/candump"; }

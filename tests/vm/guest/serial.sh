@@ -37,8 +37,7 @@ looks_at() { # PAN_DEG TILT_DEG
     tail -n 1 "$work/truth" | awk -F '"pan_deg": |, "tilt_deg": ' -v p="$1" -v t="$2" 'END { x = $2 - p; y = $3 - t; exit !(NF == 3 && x * x + y * y < 0.0025) }'
 }
 usb=$(readlink -f /sys/class/tty/ttyUSB0/device/../..)
-timeout 600 candump -L slcan0 >"$work/candump" &
-witness=$!
+record slcan0
 "$boresight" sim "$work/served.ini" --serve can:slcan0 --state 0.2 --json >"$work/truth" 2>"$work/serve.err" &
 server=$!
 until_true 60 test -s "$work/truth" # it listens
@@ -67,7 +66,7 @@ verdict serial.run_ends_well $? "$work/run.err" "$work/run.json"
 kill -INT $server
 wait $server
 # All that the kernel got from our text is a request of that protocol, and as many as the drives got.
-kill $witness
+end_record
 [ "$(grep -c ' 14[12]#' "$work/candump")" -eq "$(fact "$work/truth" frames_in)" ] &&
     ! grep -vqE ' (14[12]#(A4|92|9A|B3|42|80|81|77)[0-9A-F]{14}|24[12]#[0-9A-F]{16})$' "$work/candump"
 verdict serial.candump_saw_every_frame_whole $? "$work/truth"
