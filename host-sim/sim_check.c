@@ -1,6 +1,8 @@
 /// The invariants of docs/safety.md that hold at every tick.
 #include "sim_private.h"
 
+#include "degrees.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -19,10 +21,6 @@
 /// Setpoints resume from the measured position: the fine angle has 0.01 degree, and is up to 8 ms
 /// old.
 #define RESUME_SLACK_DEG 0.03
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
 
 const char *sim_invariant_name(enum sim_invariant invariant) {
     static const char *const names[] = {"I1 position", "I2 rates", "I4 motion while not armed",

@@ -1,5 +1,7 @@
 #include "calibrate_private.h"
 
+#include "degrees.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -16,10 +18,6 @@
 #define TILT_END_DEG   89.5
 
 static const char *const names[] = {"pan", "tilt"};
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
 
 static uint64_t now_us(const struct calibrate *c) {
     return c->runner.pump->output.status.time_us;

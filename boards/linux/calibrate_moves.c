@@ -1,5 +1,7 @@
 #include "calibrate_private.h"
 
+#include "degrees.h"
+
 #include <math.h>
 
 #define TILT_MOST_DEG   80.0 ///< of moves: near the zenith pan is undefined
@@ -25,10 +27,6 @@ struct rounds {
 struct way {
     double from_deg, to_deg;
 };
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
-}
 
 /// Half of the top speed of a move this long: the fast part.
 static double fast_dps(const struct calibrate *c, unsigned axis, double way_deg) {

@@ -1,6 +1,7 @@
 /// `boresight calibrate`: measures a rig and writes what it found into its file.
 #include "calibrate.h"
 #include "command.h"
+#include "degrees.h"
 #include "facts.h"
 #include "ini_edit.h"
 #include "lines.h"
@@ -282,14 +283,13 @@ static double degrees_bam(bam32_t angle) {
 /// The zero of tilt is the drive's business: what it reads at angle 0, or which pulse belongs to
 /// which angle.
 static void change_tilt(struct changes *changes, const struct rig *rig, double offset_deg) {
-    const double deg_per_q48 = 360.0 / 281474976710656.0;
     const struct drive_config *drive = &rig->controller.axis[AXIS_TILT].drive;
     if (drive->kind == DRIVE_PWM) {
-        const double angles[2] = {(double)drive->pwm.low_q48 * deg_per_q48 + offset_deg,
-                                  (double)drive->pwm.high_q48 * deg_per_q48 + offset_deg};
+        const double angles[2] = {degrees(drive->pwm.low_q48) + offset_deg,
+                                  degrees(drive->pwm.high_q48) + offset_deg};
         change_list(changes, "tilt", "calibration_deg", angles, 2, 4);
     } else {
-        const double zero = (double)drive->rmd.zero_q48 * deg_per_q48;
+        const double zero = degrees(drive->rmd.zero_q48);
         change_number(changes, "tilt", "zero_deg",
                       drive->rmd.reversed ? zero + offset_deg : zero - offset_deg, 4);
     }
@@ -367,11 +367,9 @@ const struct command command_calibrate = {
         "90 degrees as far as they fit, and writes into the file: limits, where a switch or\n"
         "something in the way comes first (2 degrees before it; never wider than they were);\n"
         "move_deg and move_s, how long moves take; latency_ms, how long an axis is behind its\n"
-        "setpoint. Moves are repeated until they agree; behind each value stands when and how it "
-        "was\n"
-        "measured (# measured ...). Hobby servos tell nobody where they are and are not measured. "
-        "The emergency\n"
-        "stop and SIGINT end it, and nothing is written.\n\n"
+        "setpoint. Moves are repeated until they agree; behind each value stands when and how\n"
+        "it was measured (# measured ...). Hobby servos tell nobody where they are and are not\n"
+        "measured. The emergency stop and SIGINT end it, and nothing is written.\n\n"
         "With device = ... in [camera]: pan swings by up to 8 degrees to either side while the\n"
         "camera looks at something that stands still (a tag, a lamp), and latency_ms of [camera]\n"
         "becomes what lets it stand still; of hobby servos with what they are late by.\n\n"

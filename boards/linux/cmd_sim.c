@@ -457,9 +457,8 @@ const struct command command_sim = {
         "With --serve no controller runs here: the scenario's drives and their physics sit on a\n"
         "CAN interface, in real time, and answer whoever speaks to them ('boresight run' with\n"
         "'bus = can:NAME'). SIGINT ends it; pan_deg and tilt_deg are where the axes really are,\n"
-        "aim_error_deg how far the camera looks past the axis that is best for the targets as "
-        "they\n"
-        "really are. With --frames the camera of the scenario's [camera] sees them.\n",
+        "aim_error_deg how far the camera looks past the axis that is best for the targets as\n"
+        "they really are. With --frames the camera of the scenario's [camera] sees them.\n",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .run = run_command,

@@ -1,5 +1,6 @@
 #include "rig.h"
 
+#include "degrees.h"
 #include "rig_schema.h"
 #include "u128.h"
 
@@ -179,7 +180,7 @@ static bool build_axis(const struct rig_file *file, const struct ini *ini, unsig
         return build_step(ini, name, from, &to->drive.pwm, &rig->step[axis]);
     }
     // A little above our own limit: a drive that lags needs some speed to catch up.
-    const double speed_dps = (double)from->speed_q48 * 360.0 / 281474976710656.0;
+    const double speed_dps = degrees(from->speed_q48);
     to->drive.kind = DRIVE_RMD;
     to->drive.rmd = (struct drive_rmd_config){
         .id = (uint8_t)(from->id != 0 ? from->id : axis + 1),
@@ -415,10 +416,6 @@ bool rig_is_fake(const struct rig *rig) {
 }
 
 // ---------------------------------------------------------------- explanation
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * 360.0 / 281474976710656.0;
-}
 
 /// Time from standstill to standstill over an angle, at these limits.
 static double slew_s(const struct limiter_config *limits, uint32_t tick_us, double angle_deg) {

@@ -1,5 +1,6 @@
 #include "runner_state.h"
 
+#include "degrees.h"
 #include "state_line.h"
 
 static const char *const names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
@@ -8,10 +9,6 @@ static const char *fact_name(unsigned axis, const char *what) {
     static char name[32];
     snprintf(name, sizeof name, "%s_%s", names[axis], what);
     return name;
-}
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
 }
 
 void runner_state_joints(const struct runner *runner, struct facts *facts) {

@@ -29,8 +29,8 @@ void rectangle_load(struct rectangle_view *view, const struct rectangle_search *
 /// place: pan given; tilt: where to begin, if reach is not zero. Tilt and slope are set.
 /// Returns: false if it isn't within reach; place is then the one on the way there, at its end.
 /// reach_bam32: a power of two up to 2^29: how far the tilt is off at most. 0: any.
-/// least_bam32: a power of two up to 2^15, and less than the reach: how near to the best it need
-/// be. Cost:     rectangle_tilt_work: up to 30 halvings, each with four products a cap or more.
+/// least_bam32: a power of two up to 2^15, and less than the reach: near enough to the best.
+/// Cost:     rectangle_tilt_work: up to 30 halvings, each with four products a cap or more.
 /// Accuracy: tilt (but for least_bam32) and slope as the coordinates are, some units of 2^-30.
 bool rectangle_best_tilt(struct rectangle_view *view, struct rectangle_place *place,
                          uint32_t reach_bam32, uint32_t least_bam32);

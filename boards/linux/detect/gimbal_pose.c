@@ -1,5 +1,7 @@
 #include "detect/gimbal_pose.h"
 
+#include "degrees.h"
+
 void gimbal_pose_init(struct gimbal_pose *gimbal, const struct controller_config *config,
                       double fixed_focal_mm, double model_focal_mm) {
     *gimbal = (struct gimbal_pose){
@@ -7,10 +9,6 @@ void gimbal_pose_init(struct gimbal_pose *gimbal, const struct controller_config
         .fixed_focal_mm = fixed_focal_mm,
         .model_focal_mm = model_focal_mm};
     pose_history_init(&gimbal->setpoints);
-}
-
-static double degrees(int64_t position_q48) {
-    return (double)position_q48 * (360.0 / 281474976710656.0);
 }
 
 /// Where the axis would be at that time if it did what it is told, late. False: that is forgotten.

@@ -1,9 +1,9 @@
 /// Preloaded into `boresight run`: names whatever its loop does that may take long.
 ///
-/// From the loop's first wait until its timer is closed, the program's first thread opens nothing
-/// and waits for nothing but the next tick: each call of these functions by it, also from within
-/// libusb and libgpiod, is a line `NAME WHAT` in the file that WATCH_LOOP names. That the watch
-/// works shows its first line, `loop`.
+/// From the loop's first wait until what it waits on is closed, the program's first thread opens
+/// nothing and waits for nothing but the next tick: each call of these functions by it, also from
+/// within libusb and libgpiod, is a line `NAME WHAT` in the file that WATCH_LOOP names. That the
+/// watch works shows its first line, `loop`.
 #define _GNU_SOURCE // for the compiler's own headers, whatever the flags
 #include <dirent.h>
 #include <dlfcn.h>
@@ -18,11 +18,10 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
-#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 
-static int timer = -1;
+static int waits_on = -1; ///< not told by a timer: libusb makes and closes timers, too
 static bool loops;
 
 /// By system calls only: nothing here may come back to the functions below.
@@ -47,21 +46,17 @@ static void tell(const char *name, const char *what) {
 
 // ---------------------------------------------------------------- from when to when
 
-int timerfd_create(int clock, int flags) {
-    timer = REAL(timerfd_create)(clock, flags);
-    return timer;
-}
-
 int epoll_wait(int epoll, struct epoll_event *events, int most, int timeout_ms) {
-    if (!loops && timer >= 0 && (pid_t)syscall(SYS_gettid) == getpid()) {
+    if (!loops && (pid_t)syscall(SYS_gettid) == getpid()) {
         loops = true;
+        waits_on = epoll;
         tell("loop", "");
     }
     return REAL(epoll_wait)(epoll, events, most, timeout_ms);
 }
 
 int close(int fd) {
-    loops = loops && fd != timer;
+    loops = loops && fd != waits_on;
     return REAL(close)(fd);
 }
 
