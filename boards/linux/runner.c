@@ -1,5 +1,5 @@
-#include "runner_private.h"
 #include "degrees.h"
+#include "runner_private.h"
 #include "runner_state.h"
 
 #include <errno.h>
