@@ -94,7 +94,8 @@ static bool await_drives(struct calibrate *c) {
 static bool arm(struct calibrate *c) {
     const uint64_t start_us = now_us(c);
     for (uint64_t told_us = 0; !is_tracking(c);) {
-        if (c->runner.stop_pressed || now_us(c) - start_us > PATIENCE_US) {
+        if (c->runner.stop_pressed || c->runner.outside[AXIS_PAN] || c->runner.outside[AXIS_TILT] ||
+            now_us(c) - start_us > PATIENCE_US) {
             return calibrate_give_up(c, 0, "and tilt can't be armed");
         }
         if (told_us == 0U || now_us(c) - told_us > 500000U) {

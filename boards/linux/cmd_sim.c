@@ -449,7 +449,7 @@ const struct command command_sim = {
         "results:\n"
         "  trace_hash         of every frame, pulse and plant state of every tick\n"
         "  aim_error_*_deg    between camera and optimal axis, once the aim has settled (below\n"
-        "                     0.1 degree) and until it jumps by more than 5 degrees\n"
+        "                     0.25 degree) and until it jumps by more than 5 degrees\n"
         "  in_frame_percent   of all targets at all times while tracking\n"
         "  hidden_percent     of all looks at what hides targets, how many found one hidden\n"
         "  settle_s           mean time from a jump of the aim until it has settled\n"

@@ -1,3 +1,4 @@
+#include "degrees.h"
 #include "runner_private.h"
 #include "runner_state.h"
 
@@ -79,6 +80,7 @@ static void take_signals(struct runner *runner, uint32_t raised) {
     if ((raised & EVENT_LOOP_REARM) != 0U && !runner->stopping && !runner->reloading) {
         run_log_event(&runner->log, false, "rearm", "by SIGUSR1");
         runner->line_stopped = runner->stop_pressed;
+        memset(runner->outside, 0, sizeof runner->outside); // it is told again
         pump_command(runner->pump, COMMAND_ARM);
     }
 }
@@ -103,6 +105,41 @@ static void look_at_lines(struct runner *runner) {
     runner->stop_pressed = state.stop;
     if (state.stop || state.pressed != NULL) {
         pump_command(runner->pump, COMMAND_STOP);
+    }
+}
+
+// ---------------------------------------------------------------- limits
+
+/// An axis that is armed beyond its limits goes back into them by itself. Of what a hand does that
+/// is a little; of a zero that is not set, or a drive that has counted another turn, it would be a
+/// turn of the head with all its cables.
+#define OUTSIDE_DEG 5.0
+
+static void look_at_limits(struct runner *runner) {
+    static const char *const names[] = {"pan", "tilt"};
+    const struct controller *controller = runner->controller;
+    for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
+        const struct drive *drive = &controller->drive[axis];
+        const struct limiter_config *limits = &runner->rig.controller.axis[axis].limits;
+        // A glitch of an axis that moves is no reason: its setpoint is outside only if it began so.
+        const int64_t at_q48 =
+            controller->powered[axis] ? controller->setpoint_q48[axis] : drive->position_q48;
+        const double at_deg = degrees(at_q48);
+        const double min_deg = degrees(limits->min_q48), max_deg = degrees(limits->max_q48);
+        const bool outside = drive_has_feedback(drive) && drive->position_known &&
+                             (at_deg < min_deg - OUTSIDE_DEG || at_deg > max_deg + OUTSIDE_DEG);
+        if (outside && !runner->outside[axis]) {
+            runner_tell(runner, true, "limits",
+                        "%s is at %.1f degrees, beyond its limits (%.1f to %.1f), and not armed "
+                        "there; turn it back by hand, or mend zero_deg",
+                        names[axis], at_deg, min_deg, max_deg);
+        }
+        runner->outside[axis] = outside;
+        if (outside) {
+            runner->line_stopped |=
+                runner->rig.controller.arm_on_start || controller->powered[axis];
+            pump_command(runner->pump, COMMAND_STOP);
+        }
     }
 }
 
@@ -287,6 +324,7 @@ bool runner_tick(struct runner *runner) {
         runner_stop(runner);
     }
     look_at_lines(runner);
+    look_at_limits(runner);
     look_after_devices(runner);
     step(runner, due);
     look_after_camera(runner);

@@ -74,6 +74,7 @@ struct runner {
     bool stopping; ///< for good
     enum exit_status status;
     bool device_failed, line_stopped;
+    bool outside[2];              ///< pan, tilt: beyond its limits, and told
     bool told_silent[AXIS_COUNT]; ///< that a drive does not answer
     bool was_missing;             ///< a device, when it was last looked
     uint64_t steps, starting_since_us, looked_us, reloads, state_due_us, states_dropped;

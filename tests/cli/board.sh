@@ -24,6 +24,7 @@ trap 'kill "${pid:-}" 2>/dev/null; rm -rf "$dir"' EXIT
 # drive [OPTION...]: a run with two targets in the background, once it tracks them; $child is its process.
 drive() {
     : >"$dir/err"
+    : >"$dir/out" >"$dir/err" # or what waits for words may find the last run's
     "$boresight" run "$rig" --arm --targets host-sim/scenarios/two.jsonl "$@" >"$dir/out" 2>"$dir/err" &
     child=$!
     until_true 30 told tracking

@@ -33,6 +33,7 @@ set_key() { # KEY VALUE: in [camera], where it stands already
     sed "s|^$1 = .*|$1 = $2|" "$rig" >"$rig.new" && mv "$rig.new" "$rig"
 }
 start() { # ARGUMENT...
+    : >"$dir/out" >"$dir/err" # or what waits for words may find the last run's
     "$boresight" run "$rig" --json --state 0.05 --seconds 3000 "$@" >"$dir/out" 2>"$dir/err" &
     runner=$!
 }

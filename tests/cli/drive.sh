@@ -92,6 +92,7 @@ refuse 'run without a rig' 'which rig? give its file' run
 refuse 'run with the rig on stdin' 'which rig? give its file' run -
 run run host-sim/rigs/studio.ini --seconds 0.3 --json
 gives 'run does not arm by itself' 0 'mode="ready"'
+: >"$dir/out" >"$dir/err" # or what waits for words may find the last run's
 "$boresight" run host-sim/rigs/studio.ini --arm --targets "$dir/live.jsonl" --json >"$dir/out" 2>"$dir/err" &
 until_true 30 grep -q tracking "$dir/err"
 kill -INT $!

@@ -36,6 +36,32 @@ else
     echo 'SKIP without real-time priority: nothing to give up, or no setpriv'
 fi
 
+# A zero that is wrong: the axis is 120 degrees beyond its limits, and arming it would turn it all the way back.
+sed '/^\[pan\]/a\
+zero_deg = 120' "$dir/rig.ini" >"$dir/turned.ini"
+beyond='pan is at -120.0 degrees, beyond its limits (-17.0 to 17.0), and not armed there; turn it back by hand, or mend zero_deg'
+run run "$dir/turned.ini" --seconds 1 --json </dev/null
+[ "$status" -eq 0 ] && [ "$(grep -c "^boresight run: $beyond\$" "$dir/err")" -eq 1 ] && [ "$(value pan_deg)" = -120.0000 ]
+verdict 'an axis beyond its limits is told of' $?
+run run "$dir/turned.ini" --arm --seconds 60 --json </dev/null
+[ "$status" -eq 5 ] && [ "$(grep -c "^boresight run: $beyond\$" "$dir/err")" -eq 1 ] && [ "$(value pan_deg)" = -120.0000 ] && ! grep -q 'settling\|tracking\|holding' "$dir/err"
+verdict 'and not armed' $?
+: >"$dir/out" >"$dir/err" # or what waits for words may find the last run's
+"$boresight" run "$dir/turned.ini" --arm --stay --json </dev/null >"$dir/out" 2>"$dir/err" &
+runner=$!
+until_true 30 grep -q 'beyond its limits' "$dir/err"
+kill -USR1 $runner
+again() { [ "$(grep -c 'beyond its limits' "$dir/err")" -eq 2 ]; }
+until_true 30 again
+status=$?
+kill -INT $runner
+wait $runner
+[ "$status" -eq 0 ] && [ "$(value pan_deg)" = -120.0000 ] && ! grep -q 'settling\|tracking\|holding' "$dir/err"
+verdict 'nor by SIGUSR1, which tells it again' $?
+run calibrate "$dir/turned.ini" --keep-limits --json --dry-run </dev/null
+[ "$status" -ne 0 ] && grep -qF "calibrate: $beyond" "$dir/err" && [ ! -s "$dir/out" ]
+verdict 'nor to be calibrated' $?
+
 # Times are those of the profile (`config check`), less the slow last tenth of a degree, and the lag; a busy machine is told.
 run config check "$dir/sim.ini"
 ten=$(sed -n 's/^  pan *turns 10 degrees in \([0-9.]*\) s.*/\1/p' "$dir/out")

@@ -61,6 +61,37 @@ none 'every key of the text exists' "$dir/k"
 symptoms docs/rig.md >"$dir/s"
 none 'every symptom is a message of the program' "$dir/s"
 
+# The tag to print, ten cells wide, as a picture of 20 pixels a cell on grey: it is found, and its size is what docs/camera.md
+# works the lens out from: 1.414 times the radius is the edge of the black square, eight cells.
+raster() { # FILE.svg
+    tr -d '\n' <"$1" | sed 's/.* d="//; s/z".*/z/; s/z/\n/g' | LC_ALL=C awk -F '[Mhv ]' '
+        NF > 3 { for (y = $3; y < $3 + $5; y++) for (x = $2; x < $2 + $4; x++) black[x, y] = 1 }
+        END {
+            printf "P5\n320 320\n255\n"
+            for (v = 0; v < 320; v++) for (u = 0; u < 320; u++) {
+                x = int((u - 60) / 20); y = int((v - 60) / 20)
+                inside = u >= 60 && v >= 60 && u < 260 && v < 260
+                printf "%c", !inside ? 150 : (x, y) in black ? 25 : 235
+            }
+        }'
+}
+measured() { # FILE.svg
+    raster "$1" >"$dir/tag.pgm"
+    run detect --find tags "$dir/tag.pgm"
+    [ "$(wc -l <"$dir/out")" -eq 1 ] && grep -q '"id": 0, "object": "tag", "px": \[159\.[45]' "$dir/out" &&
+        awk -v r="$(sed 's/.*"radius": \([0-9.]*\).*/\1/' "$dir/out")" 'BEGIN { exit !(1.414 * r > 159 && 1.414 * r < 161) }'
+}
+if "$boresight" --version | grep -q libapriltag; then
+    measured docs/pictures/tag.svg
+    verdict 'the tag to print is found, as large as it is' $?
+    sed 's/M4 6h1/M3 6h1/' docs/pictures/tag.svg >"$dir/wrong.svg"
+    measured "$dir/wrong.svg"
+    [ $? -ne 0 ] || grep -q '"confidence": 0\.[0-6]' "$dir/out" # one bit is put right, at half the confidence
+    verdict 'a tag of a wrong cell is caught' $?
+else
+    echo 'SKIP the tag to print is found, as large as it is: built without libapriltag'
+fi
+
 # Planted.
 sed 's/boresight calibrate rig.ini --dry-run/boresight calibrate rig.ini --dry/; s/`boresight probe`/`boresight prode`/; s/tick_us = 4000/tik_us = 4000/
     s/can0: the interface is down/can0: the interface sleeps/' docs/rig.md >"$dir/wrong.md"

@@ -12,6 +12,7 @@ logged() { grep -q -- "\"text\": \"$1" "$2"; }
 watch=$PWD/build/gcc/tests/vm/preload/watch_loop.so
 case $boresight in build/san/*) watch= ;; esac
 start() { # ARGUMENT...
+    : >"$dir/out" >"$dir/err" # or what waits for words may find the last run's
     WATCH_LOOP=$dir/loop LD_PRELOAD=$watch "$boresight" run "$rig" --json --arm --seconds 3000 "$@" >"$dir/out" 2>"$dir/err" &
     runner=$!
 }

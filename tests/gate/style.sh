@@ -17,7 +17,9 @@ verdict 'length of files, functions and lines' $?
 awk -f tests/gate/check/headers.awk firmware/sphere/*.h firmware/aim/*.h
 verdict 'the functions of sphere/ and aim/ state cost, accuracy and source' $?
 sh tests/gate/check/names.sh $(git ls-files --cached --others --exclude-standard '*.md' '*.h' '*.c' | grep -v '^tests/vectors/')
-verdict 'the tests that comments and pages name exist' $?
+verdict 'the files that comments and pages name exist' $?
+sh tests/gate/check/named-tests.sh tests/README.md
+verdict 'the tests of failing devices that tests/README.md names exist' $?
 
 dir=$(mktemp -d)
 cp .clang-format "$dir"
@@ -36,5 +38,11 @@ caught 'a function that does not state its accuracy' $?
 echo 'Shown: tests/unit/test_hull.c, tests/unit/test_planted.c.' >"$dir/x.h"
 sh tests/gate/check/names.sh "$dir/x.h" >/dev/null
 caught 'a test that does not exist' $?
+echo 'As `hal/linux/linux_planted.h` says.' >"$dir/x.md"
+sh tests/gate/check/names.sh "$dir/x.md" >/dev/null
+caught 'a header that does not exist' $?
+sed 's/`a_held_up_thread`/`a_planted_thread`/' tests/README.md >"$dir/x.md"
+sh tests/gate/check/named-tests.sh "$dir/x.md" >/dev/null
+caught 'a test of a failing device that does not exist' $?
 rm -r "$dir"
 exit $status

@@ -45,6 +45,7 @@ drive() {
 tries run_drives_the_image drive
 pull_out() {
     : >"$work/run.err"
+    : >"$work/run.json" >"$work/run.err" # or what waits for words may find the last run's
     "$boresight" run "$work/rig.ini" --arm --json --targets "$work/two.jsonl" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
     until_true 20 told tracking

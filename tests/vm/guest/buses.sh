@@ -27,6 +27,7 @@ end_serve() { # NUMBER
     eval "kill -INT \$server$1; wait \$server$1"
 }
 start() { # ARGUMENT...
+    : >"$work/run.json" >"$work/run.err" # or what waits for words may find the last run's
     watched "$boresight" run "$work/rig.ini" --json --arm --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }

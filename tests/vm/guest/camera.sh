@@ -44,6 +44,7 @@ latency_ms = 60
 tick_us = 10000
 END
 start() { # ARGUMENT...
+    : >"$work/run.json" >"$work/run.err" # or what waits for words may find the last run's
     watched "$boresight" run "$work/rig.ini" --json --seconds 3000 "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }

@@ -17,6 +17,7 @@ printf 'estop = rig-lines:1\nenable = rig-lines:2\n\n[controller]\ntick_us = 100
 printf '{"id": 1, "dir": [0.5, 1, 0.2]}\n' >"$work/targets.jsonl"
 
 start() { # ARGUMENT...
+    : >"$work/run.json" >"$work/run.err" # or what waits for words may find the last run's
     watched "$boresight" run "$work/rig.ini" --json --seconds 300 --targets "$work/targets.jsonl" "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }

@@ -94,6 +94,7 @@ drive --arm --seconds 20
 verdict run.silent_drives_at_the_start_are_status_4 $? "$work/run.err"
 
 in_background() { # ARGUMENT...
+    : >"$work/run.json" >"$work/run.err" # or what waits for words may find the last run's
     watched "$boresight" run "$work/rig.ini" --json "$@" >"$work/run.json" 2>"$work/run.err" &
     runner=$!
 }
