@@ -18,7 +18,7 @@ include tests/mcu/hal/hal.mk
 include tests/cross/cross.mk
 include tests/vm/vm.mk
 # In real time: one after the other when all others are done, and again if the machine paused.
-realtime := cli/board cli/run_aside cli/calibrate cli/camera cli/camera_loop cli/camera_run cli/capacity cli/drive cli/drives cli/hidden mcu/cpu/link \
+realtime := cli/board cli/run_aside cli/run_wait cli/calibrate cli/camera cli/camera_loop cli/camera_run cli/capacity cli/drive cli/drives cli/hidden mcu/cpu/link \
     contract/linux_gs_usb contract/linux_gpio_edges scenario/test_event_loop scenario/test_eye scenario/test_rig_mend
 realtime_runs := $(filter $(foreach t,$(realtime),%/tests/$(t)),$(test_runs)) $(vm_groups:%=vm/%)
 logs := $(patsubst %,$(B)/check/%.log,$(filter-out $(realtime_runs),$(test_runs)))
@@ -48,7 +48,7 @@ $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/excep
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight
 $(B)/check/script/tests/cli/board.log: $(B)/gcc/tests/cli/support/pty_board
 $(foreach d,script script-san,$(B)/check/$(d)/tests/cli/refusals.log): $(B)/gcc/tests/cli/support/pty_witness
-$(B)/check/script/tests/cli/drives.log: $(B)/gcc/tests/cli/support/pty_drives
+$(foreach l,script/tests/cli/drives script/tests/cli/run_wait script-san/tests/cli/run_wait,$(B)/check/$(l).log): $(B)/gcc/tests/cli/support/pty_drives
 -include $(B)/gcc/tests/cli/support/pty_board.d $(B)/gcc/tests/cli/support/pty_drives.d
 
 # Tests always run. A failing test does not stop the others: its log and its exit status are kept.

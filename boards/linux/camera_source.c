@@ -161,7 +161,7 @@ enum exit_status camera_source_open(struct camera_source *source, const struct r
     enum exit_status status = make_parts(source, rig);
     const struct camera_feed_settings feed = feed_settings(source);
     if (status == EXIT_STATUS_OK && camera_feed_open(&source->feed, &feed) != HAL_OK) {
-        message_at(rig->ini.file, 0, "%s", source->feed.news);
+        memcpy(source->news, source->feed.news, sizeof source->news);
         status = EXIT_STATUS_DEVICE;
     }
     if (status != EXIT_STATUS_OK) {

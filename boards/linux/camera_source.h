@@ -51,7 +51,8 @@ struct camera_source {
 /// real camera needs the computer's (linux_clock.h). waits: of a simulated camera, each frame's
 /// targets come in the tick that brings the frame, however long the detectors take. Must not move
 /// in memory afterwards, nor may rig.
-/// Returns: EXIT_STATUS_OK; another after a line on stderr.
+/// Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE, and source->news is the line for the person;
+/// another after a line on stderr.
 enum exit_status camera_source_open(struct camera_source *source, const struct rig *rig,
                                     const struct hal_clock *clock, bool waits);
 bool camera_source_watch(struct camera_source *source, struct event_loop *loop) MUST_CHECK;

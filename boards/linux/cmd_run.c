@@ -25,7 +25,7 @@ static const struct option options[] = {
      offsetof(struct settings, state), NULL},
     {"--arm", NULL, "arm as soon as the axes are homed", option_flag,
      offsetof(struct settings, arm), NULL},
-    {"--stay", NULL, "hold after a fault or a lost device, too, and wait for SIGUSR1 to re-arm",
+    {"--stay", NULL, "wait for missing devices, hold after a fault or a loss; SIGUSR1 re-arms",
      option_flag, offsetof(struct settings, stay), NULL},
     {"--log", "FILE|journal", "append events to a file (JSON lines) or to the system's journal",
      option_text, offsetof(struct settings, log), NULL},
@@ -152,7 +152,8 @@ static enum exit_status drive_devices(const struct command *command,
                                             .limit_us = limit_us,
                                             .state_us = state_us,
                                             .arm = settings->arm,
-                                            .stay = settings->stay};
+                                            .stay = settings->stay,
+                                            .wait = settings->stay};
     const enum exit_status status = runner_run(runner, &running);
     if (runner->steps > 0U && runner->controller != NULL) {
         print_summary(settings, runner);
@@ -196,8 +197,9 @@ const struct command command_run = {
         "file at the times in it. A line that can't be read is named and skipped.\n\n"
         "SIGINT, SIGTERM: decelerate, hold, report, exit status 0. SIGHUP: come to rest and start\n"
         "anew with the rig file as it is then. A fault ends the run with exit status 5, a device\n"
-        "that is missing or leaves with 4; with --stay the rig holds, devices that come back are\n"
-        "opened again, and SIGUSR1 arms it.\n\n"
+        "that is missing or leaves with 4. With --stay the rig waits at the start until all is\n"
+        "there, holds when something leaves, opens it again when it is back, and SIGUSR1 arms\n"
+        "it.\n\n"
         "With device = ... in [camera] the targets are what the detectors find in the frames of\n"
         "that camera, besides those of the stream.\n\n"
         "With --scene, or scene = FILE in [occlusion], targets hidden behind the solids and\n"

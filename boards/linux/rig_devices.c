@@ -237,7 +237,6 @@ enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig) 
         devices->error = device->error;
     }
     if (!good) {
-        message_at(rig->ini.file, 0, "%s", devices->error.line);
         devices->device_count = opened;
         rig_devices_close(devices);
         return EXIT_STATUS_DEVICE;

@@ -89,8 +89,9 @@ struct rig_devices {
 };
 
 /// Opens them all. rig: its controller's PWM channels are numbered by axis from now on.
-/// Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE or EXIT_STATUS_USAGE after a line on stderr, with
-/// nothing left open. Must not move in memory afterwards.
+/// Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE, and devices->error is the line for the person;
+/// EXIT_STATUS_USAGE after a line on stderr. Nothing is left open then. Must not move in memory
+/// afterwards.
 enum exit_status rig_devices_open(struct rig_devices *devices, struct rig *rig);
 void rig_devices_close(struct rig_devices *devices);
 

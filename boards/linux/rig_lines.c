@@ -100,7 +100,6 @@ enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig) 
     }
     if (lines->count > 0U &&
         linux_gpio_open(&lines->gpio, lines->row, lines->pin, lines->count) != HAL_OK) {
-        message_at(rig->ini.file, 0, "%s", lines->gpio.error.line);
         lines->count = 0;
         return EXIT_STATUS_DEVICE;
     }

@@ -58,8 +58,8 @@ struct rig_lines_state {
 /// Reads CHIP:NUMBER[:low][:up|:down]. chip: at least as long as the text. False: it can't be read.
 bool rig_line_parse(const char *text, char *chip, uint32_t *number, struct hal_gpio_line *line);
 
-/// Opens the lines of a rig; none is fine. Returns: EXIT_STATUS_OK, or another after a line on
-/// stderr.
+/// Opens the lines of a rig; none is fine. Returns: EXIT_STATUS_OK; EXIT_STATUS_DEVICE, and
+/// lines->gpio.error is the line for the person; EXIT_STATUS_USAGE after a line on stderr.
 enum exit_status rig_lines_open(struct rig_lines *lines, const struct rig *rig);
 void rig_lines_close(struct rig_lines *lines);
 

@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -118,8 +119,18 @@ static void write_line(void *context, const struct aside_line *line) {
 
 // ---------------------------------------------------------------- for the loop
 
+/// A service's stderr ends in the journal: systemd.exec(5), JOURNAL_STREAM.
+static bool is_stderr_in_journal(void) {
+    const char *stream = getenv("JOURNAL_STREAM");
+    uintmax_t device, inode;
+    struct stat opened;
+    return stream != NULL && sscanf(stream, "%" SCNuMAX ":%" SCNuMAX, &device, &inode) == 2 &&
+           fstat(STDERR_FILENO, &opened) == 0 && device == (uintmax_t)opened.st_dev &&
+           inode == (uintmax_t)opened.st_ino;
+}
+
 bool run_log_open(struct run_log *log, const char *target, uint64_t start_us) {
-    log->is_open = false;
+    log->is_open = log->takes_stderr = false;
     log->name = target;
     log->start_us = start_us;
     log->told_lost = false;
@@ -130,6 +141,7 @@ bool run_log_open(struct run_log *log, const char *target, uint64_t start_us) {
     log->is_journal = strcmp(target, "journal") == 0;
     log->fd = log->is_journal ? open_journal() : open_file(target);
     log->is_open = log->fd >= 0 && aside_open(&log->lines, write_line, log);
+    log->takes_stderr = log->is_open && log->is_journal && is_stderr_in_journal();
     if (!log->is_open) {
         message_at(log->is_journal ? run_log_journal : target, 0, "%s; %s", strerror(errno),
                    log->is_journal   ? "is systemd's journal running? --log FILE writes to a file"

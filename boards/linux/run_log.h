@@ -5,8 +5,7 @@
 /// BORESIGHT_EVENT. The control never waits for it: a thread writes, and what can't be written is
 /// counted and dropped. A file that was renamed or removed (logrotate, without any signal) is made
 /// anew with the next line; a journal that was started again is found again.
-/// Shown: tests/scenario/test_run_log.c,
-/// tests/vm/guest/run.sh.
+/// Shown: tests/scenario/test_run_log.c, tests/vm/guest/run.sh.
 #ifndef LINUX_RUN_LOG_H
 #define LINUX_RUN_LOG_H
 
@@ -20,6 +19,7 @@
 struct run_log {
     bool is_open;
     bool is_journal;
+    bool takes_stderr; ///< the same journal: what is written here needn't be said there, too
     const char *name;
     uint64_t start_us;
     // Of the thread that writes:

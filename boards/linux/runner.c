@@ -8,8 +8,6 @@
 
 /// A drive that has not answered for so long after the start is missing.
 #define ANSWER_WITHIN_US 5000000U
-/// How often missing devices are looked for.
-#define LOOK_EVERY_US 500000U
 
 static const char *const axis_names[AXIS_COUNT] = {"pan", "tilt", "zoom"};
 
@@ -234,7 +232,7 @@ static void look_after_devices(struct runner *runner) {
         }
     }
     const uint64_t now_us = event_loop_now_us();
-    if (now_us - runner->looked_us < LOOK_EVERY_US) {
+    if (now_us - runner->looked_us < RUNNER_LOOK_EVERY_US) {
         return;
     }
     runner->looked_us = now_us;
@@ -368,10 +366,10 @@ enum exit_status runner_start(struct runner *runner, const struct runner_setting
     event_loop_block_signals();
     message_aside_begin();
     const enum exit_status status = start(runner);
-    if (status != EXIT_STATUS_OK) {
+    if (status != EXIT_STATUS_OK && !runner_waits(runner, status)) {
         return status;
     }
-    if (runner->sim == NULL) {
+    if (!rig_is_fake(&runner->rig)) {
         realtime_enter(&runner->realtime);
         if (runner->realtime.advice[0] != '\0') {
             runner_tell(runner, false, "realtime", "%s", runner->realtime.advice);

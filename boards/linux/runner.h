@@ -29,6 +29,7 @@ struct runner_settings {
     uint64_t state_us;    ///< a line of state every so often; 0: none
     bool arm;             ///< whatever the rig file says
     bool stay;            ///< a fault, a lost device do not end it
+    bool wait;            ///< devices that can't be opened are tried again until they can
     bool hurry;           ///< simulated rigs do not wait for the clock
     bool fixed;           ///< SIGHUP changes nothing
 };
@@ -39,10 +40,14 @@ struct runner {
     struct rig next_rig; ///< read, to be used as soon as all stands still
     bool reloading;      ///< it is, and all comes to rest
     bool rebuilding;     ///< it takes its place in the background; no controller runs
+    bool absent;         ///< a device of it could not be opened: between two tries
     bool reading;        ///< it is being read in the background
     bool read_again;     ///< SIGHUP came meanwhile
     struct side_job job; ///< for both
     enum exit_status job_status;
+    char refusal[LINUX_ERROR_BYTES];      ///< why a device could not be opened, at the last try
+    char told_refusal[LINUX_ERROR_BYTES]; ///< the person knows of; empty: none
+    uint64_t tried_us;
     uint32_t held_signals; ///< that came while no controller ran
     /// Of the camera, once another file has changed only that: the one in use and the one before.
     struct rig camera_rig[2];

@@ -4,12 +4,19 @@
 
 #include "runner.h"
 
-/// To the person on stderr and to the log.
+/// To the person on stderr and to the log; once, where both are the same journal.
 void runner_tell(struct runner *runner, bool severe, const char *event, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/// Controller and devices of runner->rig.
+/// How often devices that are missing are looked for.
+#define RUNNER_LOOK_EVERY_US 500000U
+
+/// Controller and devices of runner->rig. EXIT_STATUS_DEVICE: runner->refusal is why.
 enum exit_status runner_build(struct runner *runner);
+/// After a build that did not come to be: tells which device it was, unless that was told. True: it
+/// will be tried again, in runner_reload_tick; until then no controller runs. False: that is the
+/// end.
+bool runner_waits(struct runner *runner, enum exit_status status) MUST_CHECK;
 void runner_dismantle(struct runner *runner);
 
 /// What hides the targets of a rig, as occlusion_rig_open has it.
@@ -30,7 +37,8 @@ bool runner_is_hurried(const struct runner *runner);
 void runner_begin_reload(struct runner *runner);
 
 /// At every tick. While runner->rebuilding, devices and controller belong to the background: then
-/// nothing else is due in a tick. Sets runner->status if the new devices can't be used.
+/// nothing else is due in a tick. Sets runner->status if the new devices can't be used, or the wait
+/// for them is to end.
 void runner_reload_tick(struct runner *runner);
 void runner_forget_camera_rigs(struct runner *runner);
 

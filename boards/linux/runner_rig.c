@@ -3,14 +3,15 @@
 #include <stdarg.h>
 #include <string.h>
 
-/// To the person on stderr and to the log.
 void runner_tell(struct runner *runner, bool severe, const char *event, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    message_command(runner->settings.command, "%s", text);
+    if (!runner->log.takes_stderr) {
+        message_command(runner->settings.command, "%s", text);
+    }
     run_log_event(&runner->log, severe, event, "%s", text);
 }
 
@@ -78,7 +79,14 @@ bool runner_is_hurried(const struct runner *runner) {
            (runner->rig.camera.device[0] == '\0' || has_fake_camera(&runner->rig));
 }
 
-/// Controller and devices of runner->rig.
+/// What a device that can't be opened said, for whoever tells it.
+static enum exit_status refused(struct runner *runner, enum exit_status status, const char *why) {
+    if (status == EXIT_STATUS_DEVICE) {
+        memcpy(runner->refusal, why, sizeof runner->refusal);
+    }
+    return status;
+}
+
 enum exit_status runner_build(struct runner *runner) {
     runner->rig.controller.arm_on_start =
         runner->rig.controller.arm_on_start || runner->settings.arm;
@@ -89,18 +97,20 @@ enum exit_status runner_build(struct runner *runner) {
     runner->starting_since_us = event_loop_now_us();
     const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);
     if (status != EXIT_STATUS_OK) {
-        return status;
+        return refused(runner, status, runner->lines.gpio.error.line);
     }
     const enum exit_status built =
         rig_is_fake(&runner->rig) ? build_fakes(runner) : build_devices(runner);
     if (built != EXIT_STATUS_OK) {
-        return built;
+        return refused(runner, built, runner->devices.error.line);
     }
     // What is simulated has the simulator's time, and a real camera the computer's.
     const struct hal_clock *clock = runner->sim != NULL && has_fake_camera(&runner->rig)
                                         ? &runner->sim->clock
                                         : &runner->clock.hal;
-    return camera_source_open(&runner->camera, &runner->rig, clock, runner_is_hurried(runner));
+    const enum exit_status seen =
+        camera_source_open(&runner->camera, &runner->rig, clock, runner_is_hurried(runner));
+    return refused(runner, seen, runner->camera.news);
 }
 
 void runner_dismantle(struct runner *runner) {
@@ -192,27 +202,6 @@ void runner_begin_reload(struct runner *runner) {
     runner->reading = !runner->stopping && side_job_start(&runner->job, read_next, runner);
 }
 
-static void take_next(struct runner *runner) {
-    runner->reading = false;
-    if (runner->stopping) {
-        runner_drop_next(runner);
-    } else if (runner->job_status != EXIT_STATUS_OK) {
-        runner_tell(runner, true, "reload", "%s is not used: the rig stays as it was",
-                    runner->settings.rig_file);
-        runner_drop_next(runner);
-    } else if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
-        runner_tell(runner, true, "reload",
-                    "tick_us can't change while it runs: the rig stays as it was");
-        runner_drop_next(runner);
-    } else if (changes_only_camera(runner)) {
-        reload_camera(runner);
-        runner_drop_next(runner);
-    } else {
-        runner->reloading = true;
-        pump_command(runner->pump, COMMAND_STOP);
-    }
-}
-
 // ---------------------------------------------------------------- everything anew
 
 /// In the background: devices close and open as long as they like.
@@ -235,7 +224,9 @@ static void rebuild(void *context) {
 }
 
 static void begin_rebuilding(struct runner *runner) {
-    runner->reloading = false;
+    runner->reloading = runner->absent = false;
+    runner->told_refusal[0] = '\0';
+    runner->reloads++;
     camera_source_unwatch(&runner->camera);
     runner->rebuilding = side_job_start(&runner->job, rebuild, runner);
     if (!runner->rebuilding) { // no room for a thread: then everything waits for it
@@ -246,18 +237,93 @@ static void begin_rebuilding(struct runner *runner) {
     }
 }
 
-static void take_rebuilt(struct runner *runner) {
-    runner->rebuilding = false;
-    runner->reloads++;
-    runner->source_since_ticks = runner->loop.ticks;
-    runner->status = runner->job_status;
-    if (runner->status != EXIT_STATUS_OK) {
-        return;
+static void take_next(struct runner *runner) {
+    runner->reading = false;
+    if (runner->stopping) {
+        runner_drop_next(runner);
+    } else if (runner->job_status != EXIT_STATUS_OK) {
+        runner_tell(runner, true, "reload", "%s is not used: the rig stays as it was",
+                    runner->settings.rig_file);
+        runner_drop_next(runner);
+    } else if (runner->next_rig.controller.tick_us != runner->rig.controller.tick_us) {
+        runner_tell(runner, true, "reload",
+                    "tick_us can't change while it runs: the rig stays as it was");
+        runner_drop_next(runner);
+    } else if (runner->absent) {
+        begin_rebuilding(runner);
+    } else if (changes_only_camera(runner)) {
+        reload_camera(runner);
+        runner_drop_next(runner);
+    } else {
+        runner->reloading = true;
+        pump_command(runner->pump, COMMAND_STOP);
     }
-    runner_tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
+}
+
+// ---------------------------------------------------------------- devices that are not there yet
+
+bool runner_waits(struct runner *runner, enum exit_status status) {
+    if (status == EXIT_STATUS_DEVICE && strcmp(runner->refusal, runner->told_refusal) != 0) {
+        const bool first = runner->told_refusal[0] == '\0';
+        memcpy(runner->told_refusal, runner->refusal, sizeof runner->told_refusal);
+        if (!runner->log.takes_stderr) {
+            message_at(runner->rig.ini.file, 0, "%s", runner->refusal);
+        }
+        run_log_event(&runner->log, true, "device", "%s", runner->refusal);
+        if (first && runner->settings.wait) {
+            runner_tell(runner, false, "device", "waiting until it can be opened");
+        }
+    }
+    runner->absent = status == EXIT_STATUS_DEVICE && runner->settings.wait;
+    runner->rebuilding = runner->rebuilding || runner->absent;
+    runner->tried_us = event_loop_now_us();
+    return runner->absent;
+}
+
+/// In the background.
+static void build_again(void *context) {
+    struct runner *const runner = context;
+    runner_dismantle(runner);
+    runner->job_status = runner_build(runner);
+}
+
+/// An arm command of now is none for whenever the devices come.
+static void wait_for_devices(struct runner *runner) {
+    const uint32_t raised = runner->held_signals;
+    const uint64_t limit_us = runner->settings.limit_us;
+    runner->held_signals = 0;
+    if ((raised & EVENT_LOOP_END) != 0U ||
+        (limit_us != 0U && runner->loop.ticks * runner->loop.tick_us > limit_us)) {
+        runner->status = EXIT_STATUS_DEVICE;
+    } else if ((raised & EVENT_LOOP_RELOAD) != 0U) {
+        runner_begin_reload(runner);
+    } else if (event_loop_now_us() - runner->tried_us >= RUNNER_LOOK_EVERY_US) {
+        runner->absent = !side_job_start(&runner->job, build_again, runner);
+    }
+}
+
+/// Everything is open: from here on the ticks are the controller's again.
+static void begin_anew(struct runner *runner) {
+    runner->rebuilding = false;
+    runner->source_since_ticks = runner->loop.ticks;
+    if (runner->told_refusal[0] != '\0') {
+        runner_tell(runner, false, "device", "all devices are there");
+        runner->told_refusal[0] = '\0';
+        runner->held_signals &= ~(uint32_t)EVENT_LOOP_REARM; // it was for what was there then
+    } else {
+        runner_tell(runner, false, "reload", "%s is read again", runner->settings.rig_file);
+    }
     if (!camera_source_watch(&runner->camera, &runner->loop)) {
         message_command(runner->settings.command, "no room in the event loop");
         runner->status = EXIT_STATUS_FAILURE;
+    }
+}
+
+static void take_rebuilt(struct runner *runner) {
+    if (runner->job_status == EXIT_STATUS_OK) {
+        begin_anew(runner);
+    } else if (!runner_waits(runner, runner->job_status)) {
+        runner->status = runner->job_status;
     }
 }
 
@@ -265,15 +331,18 @@ void runner_reload_tick(struct runner *runner) {
     if (runner->reloading && runner_stands_still(runner)) {
         begin_rebuilding(runner);
     }
-    if (!(runner->reading || runner->rebuilding) || !side_job_is_over(&runner->job)) {
+    if (!side_job_is_over(&runner->job)) {
         return;
     }
     if (runner->reading) {
         take_next(runner);
-    } else {
+    } else if (runner->absent) {
+        wait_for_devices(runner);
+    } else if (runner->rebuilding) {
         take_rebuilt(runner);
     }
-    if (runner->read_again && !runner->reloading) {
+    const bool building = runner->rebuilding && !runner->absent;
+    if (runner->read_again && !runner->reloading && !building) {
         runner_begin_reload(runner);
     }
 }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -173,6 +174,40 @@ static void journal_gets_fields(void) {
     CHECK(unlink(address.sun_path) == 0 && rmdir(folder) == 0);
 }
 
+static bool takes_stderr(const char *target, const char *stream) {
+    static struct run_log log;
+    CHECK_EQ(setenv("JOURNAL_STREAM", stream, 1), 0);
+    CHECK(run_log_open(&log, target, event_loop_now_us()));
+    const bool takes = log.takes_stderr;
+    run_log_close(&log);
+    CHECK_EQ(unsetenv("JOURNAL_STREAM"), 0);
+    return takes;
+}
+
+/// What a service says on stderr is in the journal already.
+static void a_journal_may_be_stderr(void) {
+    char folder[] = "/tmp/boresight-journal-XXXXXX", stream[64];
+    CHECK(mkdtemp(folder) != NULL);
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    snprintf(address.sun_path, sizeof address.sun_path, "%s/socket", folder);
+    run_log_journal = address.sun_path;
+    const int journal = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    CHECK_EQ(bind(journal, (const struct sockaddr *)&address, sizeof address), 0);
+    struct stat opened;
+    CHECK_EQ(fstat(STDERR_FILENO, &opened), 0);
+    const unsigned long long device = opened.st_dev, inode = opened.st_ino;
+    snprintf(stream, sizeof stream, "%llu:%llu", device, inode);
+    CHECK(takes_stderr("journal", stream));
+    CHECK(!takes_stderr("/dev/null", stream)); // a file is another place
+    snprintf(stream, sizeof stream, "%llu:%llu", device, inode + 1U);
+    CHECK(!takes_stderr("journal", stream)); // stderr was sent elsewhere
+    snprintf(stream, sizeof stream, "%llu:%llu", device + 1U, inode);
+    CHECK(!takes_stderr("journal", stream));
+    CHECK(!takes_stderr("journal", "") && !takes_stderr("journal", "nonsense"));
+    close(journal);
+    CHECK(unlink(address.sun_path) == 0 && rmdir(folder) == 0);
+}
+
 int main(void) {
     const int fd = mkstemp(path);
     if (fd < 0) {
@@ -185,5 +220,6 @@ int main(void) {
     TEST(no_log_and_no_place_for_one);
     unlink(path);
     TEST(journal_gets_fields);
+    TEST(a_journal_may_be_stderr);
     return check_finish();
 }

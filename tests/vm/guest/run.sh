@@ -159,6 +159,17 @@ wait $runner
 verdict run.a_lost_interface_is_status_4 $? "$work/run.err"
 wait $server
 
+in_background --arm --targets "$work/targets.jsonl" --stay
+until_true 60 grep -q 'vcan0: no such interface; ' "$work/run.err"
+ip link add dev vcan0 type vcan
+until_true 60 grep -q 'vcan0: the interface is down; ' "$work/run.err" && ip link set vcan0 up && serve && until_true 60 tracks 1
+verdict run.waits_for_an_interface_that_appears_late $? "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ] && [ "$(grep -c 'waiting until' "$work/run.err")" -eq 1 ]
+verdict run.and_ends_well $? "$work/run.err"
+end_serve
+
 # ---------------------------------------------------------------- the journal: a socket where it would stand
 mkdir -p /run/systemd/journal
 python3 -c '
@@ -171,11 +182,15 @@ while True:
 journal=$!
 until_true 200 grep -q listening "$work/journal"
 { cat host-sim/rigs/hobby.ini && printf '\n[controller]\ntick_us = 20000\n'; } >"$work/hobby.ini"
-"$boresight" run "$work/hobby.ini" --json --arm --seconds 3 --log journal >"$work/run.json" 2>"$work/run.err"
+: >"$work/run.err"
+JOURNAL_STREAM=$(stat -c %d:%i "$work/run.err") "$boresight" run "$work/hobby.ini" --json --arm --seconds 3 --log journal \
+    >"$work/run.json" 2>"$work/run.err"
 [ $? -eq 0 ] && grep -q '"log_dropped": 0' "$work/run.json"
 verdict run.logs_to_the_journal $? "$work/run.err" "$work/run.json"
 until_true 30 grep -q '^MESSAGE=exit status 0$' "$work/journal" && grep -q '^SYSLOG_IDENTIFIER=boresight$' "$work/journal" &&
     grep -q '^BORESIGHT_EVENT=mode$' "$work/journal"
 verdict run.journal_has_the_events $? "$work/journal"
+[ ! -s "$work/run.err" ]
+verdict run.a_service_says_them_once $? "$work/run.err"
 kill $journal
 loop_only_waits run
