@@ -3,6 +3,7 @@
 /// Facts from the ARMv7-M (DDI 0403) and ARMv6-M (DDI 0419) reference manuals; all of it is the
 /// same on both. The interrupt controller's priority registers are used by words, because a
 /// Cortex-M0+ has no narrower access.
+/// Shown: tests/mcu/hal/suites.c; start and reset: tests/gate/boot.sh.
 #ifndef CORTEXM_CORTEXM_H
 #define CORTEXM_CORTEXM_H
 

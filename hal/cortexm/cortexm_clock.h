@@ -2,6 +2,7 @@
 ///
 /// The board's vector table calls cortexm_clock_on_tick for exception 15, which has the highest
 /// priority, so that the time is right in every handler.
+/// Shown: tests/mcu/hal/suites.c.
 #ifndef CORTEXM_CORTEXM_CLOCK_H
 #define CORTEXM_CORTEXM_CLOCK_H
 

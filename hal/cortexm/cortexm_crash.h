@@ -1,5 +1,6 @@
 /// What to do when the processor meets a fault or an interrupt that nobody asked for: note it in
 /// memory that survives the reset, and reset. The next start tells.
+/// Shown: tests/mcu/cpu/faults.c.
 #ifndef CORTEXM_CORTEXM_CRASH_H
 #define CORTEXM_CORTEXM_CRASH_H
 

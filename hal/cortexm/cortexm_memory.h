@@ -1,4 +1,5 @@
 /// As in <string.h>, which a freestanding compiler does not have.
+/// Shown: tests/gate/boot.sh (an image that needs it runs).
 #ifndef CORTEXM_CORTEXM_MEMORY_H
 #define CORTEXM_CORTEXM_MEMORY_H
 

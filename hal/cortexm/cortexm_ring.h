@@ -1,5 +1,6 @@
 /// The indices of a ring between the program and one interrupt handler, one of which only puts and
 /// the other only takes: needs no lock. The items are the owner's array, of a power of two.
+/// Shown: tests/mcu/hal/suites.c (the serial port is on it).
 #ifndef CORTEXM_CORTEXM_RING_H
 #define CORTEXM_CORTEXM_RING_H
 

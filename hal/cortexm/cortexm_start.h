@@ -2,6 +2,7 @@
 ///
 /// The table is the board's: `const vectors[]` in section `.vectors`, first word stack_top, second
 /// reset_handler, every other one a handler or cortexm_crash_handler.
+/// Shown: tests/gate/boot.sh.
 #ifndef CORTEXM_CORTEXM_START_H
 #define CORTEXM_CORTEXM_START_H
 

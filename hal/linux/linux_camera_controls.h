@@ -4,6 +4,7 @@
 /// What is set while an earlier value is still on its way replaces it, and pan and tilt that wait
 /// together go in one request, so that a camera that has one motion for both makes one. For
 /// linux_camera.c.
+/// Shown: tests/contract/linux_camera.c, tests/vm/linux_camera.c.
 #ifndef HAL_LINUX_CAMERA_CONTROLS_H
 #define HAL_LINUX_CAMERA_CONTROLS_H
 

@@ -1,4 +1,5 @@
 /// Which format a V4L2 device is to stream in. For linux_camera.c.
+/// Shown: tests/contract/linux_camera.c, tests/vm/linux_vivid.c.
 #ifndef HAL_LINUX_CAMERA_FORMAT_H
 #define HAL_LINUX_CAMERA_FORMAT_H
 

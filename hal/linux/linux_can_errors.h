@@ -1,5 +1,6 @@
 /// What the error frames of SocketCAN and of gs_usb adapters say, which is the same, as the state
 /// of hal/can.h. For the CAN drivers of this folder only.
+/// Shown: tests/contract/linux_can_errors.c.
 #ifndef HAL_LINUX_CAN_ERRORS_H
 #define HAL_LINUX_CAN_ERRORS_H
 

@@ -1,4 +1,5 @@
 /// CAN interfaces as the kernel's routing socket tells and changes them. For linux_can.c only.
+/// Shown: tests/contract/linux_can_link.c, tests/vm/linux_can.c.
 #ifndef HAL_LINUX_CAN_LINK_H
 #define HAL_LINUX_CAN_LINK_H
 

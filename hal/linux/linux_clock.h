@@ -1,4 +1,5 @@
 /// hal/clock.h on CLOCK_MONOTONIC: never set, does not run while the machine sleeps.
+/// Shown: tests/contract/linux_clock.c.
 #ifndef HAL_LINUX_CLOCK_H
 #define HAL_LINUX_CLOCK_H
 

@@ -3,6 +3,7 @@
 ///
 /// It sleeps until shortly before the time and then watches the clock, because a sleeping thread
 /// wakes late. For linux_gpio_pulses.c and linux_gpio_steps.c only.
+/// Shown: tests/contract/linux_gpio_edges.c, tests/vm/linux_gpio.c.
 #ifndef HAL_LINUX_GPIO_THREAD_H
 #define HAL_LINUX_GPIO_THREAD_H
 

@@ -3,6 +3,7 @@
 ///
 /// linux_gpiod_1.c or linux_gpiod_2.c is built, whichever the library is (features.mk); HAVE_GPIOD
 /// is its first digit, 0 without it.
+/// Shown: tests/vm/linux_gpio.c, with either.
 #ifndef HAL_LINUX_GPIOD_H
 #define HAL_LINUX_GPIOD_H
 

@@ -1,4 +1,5 @@
 /// How late things came: a histogram of so many steps, and the latest.
+/// Shown: tests/contract/linux_gpio_edges.c.
 #ifndef HAL_LINUX_JITTER_H
 #define HAL_LINUX_JITTER_H
 

@@ -1,5 +1,6 @@
 /// hal/serial.h on a terminal device: USB adapters and boards (/dev/ttyACM*, /dev/ttyUSB*), UARTs
 /// (/dev/ttyAMA*, /dev/ttyS*), pseudo-terminals.
+/// Shown: tests/contract/linux_serial.c; by cable: tests/vm/guest/serial.sh.
 #ifndef HAL_LINUX_SERIAL_H
 #define HAL_LINUX_SERIAL_H
 

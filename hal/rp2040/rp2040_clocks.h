@@ -1,5 +1,6 @@
 /// The clock tree: 125 MHz from a 12 MHz crystal; without the PLL 12 MHz, without the crystal what
 /// the ring oscillator gives, about 6 MHz.
+/// Shown: tests/mcu/rp2040/pico.sh.
 #ifndef RP2040_RP2040_CLOCKS_H
 #define RP2040_RP2040_CLOCKS_H
 

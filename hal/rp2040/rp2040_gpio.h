@@ -1,4 +1,5 @@
 /// Pins, and the lines of hal/gpio.h on them. A pin is its number: GP25 is 25.
+/// Shown: tests/mcu/rp2040/pico.sh.
 #ifndef RP2040_RP2040_GPIO_H
 #define RP2040_RP2040_GPIO_H
 

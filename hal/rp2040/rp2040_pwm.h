@@ -2,6 +2,7 @@
 ///
 /// Pins 2n and 2n + 1 are the two channels of one slice and share its period (4.5.2); pins 16 apart
 /// share the channel itself, so use only one of them.
+/// Shown: tests/mcu/rp2040/pico.sh.
 #ifndef RP2040_RP2040_PWM_H
 #define RP2040_RP2040_PWM_H
 

@@ -1,5 +1,6 @@
 /// A serial port on UART0: 8N1, both directions through rings that the interrupt handler works
 /// on.
+/// Shown: tests/mcu/rp2040/pico.sh.
 #ifndef RP2040_RP2040_UART_H
 #define RP2040_RP2040_UART_H
 

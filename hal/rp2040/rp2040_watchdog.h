@@ -3,6 +3,7 @@
 /// It counts microseconds of the crystal (rp2040_clocks_start), so the time-out is exact; without a
 /// crystal it is shorter. A reset by it restarts everything but the oscillators: the pins float
 /// with their pull-downs, so servos get no more pulses.
+/// Shown: tests/mcu/rp2040/pico.sh.
 #ifndef RP2040_RP2040_WATCHDOG_H
 #define RP2040_RP2040_WATCHDOG_H
 

@@ -6,6 +6,7 @@
 /// - Bus-off: everything queued is dropped; only a restart leads back.
 /// - Filters: a bank each. One that leaves the kind of frame open passes everything in hardware,
 ///   because standard and extended ids lie at different places there; the handler then looks again.
+/// Shown: tests/mcu/hal/suites.c.
 #ifndef STM32F4_STM32F4_CAN_H
 #define STM32F4_STM32F4_CAN_H
 

@@ -1,4 +1,5 @@
 /// The clock tree: 168 MHz from an external crystal if there is one, else 16 MHz from inside.
+/// Shown: tests/mcu/hal/suites.c, tests/mcu/cpu/faults.c (no crystal).
 #ifndef STM32F4_STM32F4_CLOCKS_H
 #define STM32F4_STM32F4_CLOCKS_H
 

@@ -1,4 +1,5 @@
 /// Pins, and the lines of hal/gpio.h on them.
+/// Shown: tests/mcu/hal/suites.c.
 #ifndef STM32F4_STM32F4_GPIO_H
 #define STM32F4_STM32F4_GPIO_H
 

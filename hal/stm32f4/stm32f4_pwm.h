@@ -2,6 +2,7 @@
 ///
 /// 50 Hz and a resolution of 0.5 us after init, whatever the bus clock. Channels of one timer share
 /// their period.
+/// Shown: tests/mcu/hal/suites.c.
 #ifndef STM32F4_STM32F4_PWM_H
 #define STM32F4_STM32F4_PWM_H
 

@@ -1,5 +1,6 @@
 /// A serial port on a USART: 8N1, both directions through rings that the interrupt handler works
 /// on.
+/// Shown: tests/mcu/hal/suites.c.
 #ifndef STM32F4_STM32F4_USART_H
 #define STM32F4_STM32F4_USART_H
 

@@ -3,6 +3,7 @@
 /// It runs from an oscillator of its own, which the data sheet gives as 17 to 47 kHz, 32 typically.
 /// The time-out holds for the slowest: a typical chip is reset after 0.53 of it, the fastest after
 /// 0.36. Whoever feeds four times as often as hal/watchdog.h says is safe with all of them.
+/// Shown: tests/mcu/cpu/faults.c.
 #ifndef STM32F4_STM32F4_WATCHDOG_H
 #define STM32F4_STM32F4_WATCHDOG_H
 

@@ -16,6 +16,8 @@ awk -f tests/gate/check/lengths.awk $(printf '%s\n' $files | grep -v '^tests/vec
 verdict 'length of files, functions and lines' $?
 awk -f tests/gate/check/headers.awk firmware/sphere/*.h firmware/aim/*.h
 verdict 'the functions of sphere/ and aim/ state cost, accuracy and source' $?
+sh tests/gate/check/shown.sh $(git ls-files --cached --others --exclude-standard 'hal/*.h' 'boards/linux/detect/*.h')
+verdict 'the headers of hal/ and of the detectors name their tests' $?
 sh tests/gate/check/names.sh $(git ls-files --cached --others --exclude-standard '*.md' '*.h' '*.c' | grep -v '^tests/vectors/')
 verdict 'the files that comments and pages name exist' $?
 sh tests/gate/check/named-tests.sh tests/README.md
@@ -38,6 +40,9 @@ caught 'a function that does not state its accuracy' $?
 echo 'Shown: tests/unit/test_hull.c, tests/unit/test_planted.c.' >"$dir/x.h"
 sh tests/gate/check/names.sh "$dir/x.h" >/dev/null
 caught 'a test that does not exist' $?
+echo '/// Turns.' >"$dir/x.h"
+sh tests/gate/check/shown.sh "$dir/x.h" >/dev/null
+caught 'a header without a test' $?
 echo 'As `hal/linux/linux_planted.h` says.' >"$dir/x.md"
 sh tests/gate/check/names.sh "$dir/x.md" >/dev/null
 caught 'a header that does not exist' $?

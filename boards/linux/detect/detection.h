@@ -1,4 +1,5 @@
 /// What a detector found in a frame.
+/// Shown: tests/property/tag_frames.c, marker_frames.c and motion_frames.c beside it.
 #ifndef DETECT_DETECTION_H
 #define DETECT_DETECTION_H
 

@@ -1,4 +1,5 @@
 /// The chosen detectors on a stream of frames: what they found, with ids that stay.
+/// Shown: tests/cli/detect.sh, tests/property/motion_frames.c.
 #ifndef DETECT_DETECTOR_H
 #define DETECT_DETECTOR_H
 

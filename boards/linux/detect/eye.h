@@ -10,6 +10,7 @@
 ///     each tick:       eye_pose(eye, now_us, &pose);
 ///     a frame is in:   eye_submit(eye, &format, &frame); then give the frame back to the camera
 ///     eye_fd readable: eye_collect(eye, give, context);
+/// Shown: tests/scenario/test_eye.c.
 #ifndef DETECT_EYE_H
 #define DETECT_EYE_H
 

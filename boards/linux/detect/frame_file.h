@@ -1,5 +1,6 @@
 /// Frames from files: PGM and PPM in binary (P5, P6; several after each other, as converters of
 /// films write them to a pipe), and JPEG, a picture a file.
+/// Shown: tests/cli/frame_files.c.
 #ifndef DETECT_FRAME_FILE_H
 #define DETECT_FRAME_FILE_H
 

@@ -3,6 +3,7 @@
 /// negotiate, start, then dequeue and requeue until stop. A device has a few buffers; a frame
 /// occupies one from dequeue to requeue, and while all are out the frames that come are lost, which
 /// shows in the sequence numbers.
+/// Shown: tests/contract/support/camera_suite.h, on every implementation.
 #ifndef HAL_CAMERA_H
 #define HAL_CAMERA_H
 

@@ -1,5 +1,6 @@
 /// One CAN controller on one bus, classic frames. Bit rate and pins are the board's or the rig
 /// file's business and set before the device is bound.
+/// Shown: tests/contract/support/can_suite.h, on every implementation.
 #ifndef HAL_CAN_H
 #define HAL_CAN_H
 

@@ -2,6 +2,7 @@
 ///
 /// The only source of time there is; steady, never set. The zero point has no meaning, so only
 /// differences count.
+/// Shown: tests/contract/support/clock_suite.h, on every implementation.
 #ifndef HAL_CLOCK_H
 #define HAL_CLOCK_H
 

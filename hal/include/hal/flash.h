@@ -8,6 +8,8 @@
 /// - program: of the bytes of this operation, each bit that was to become 0 may be either, or even
 ///   read differently each time. The units are programmed in ascending order.
 /// - erase: each bit of the sector may be either.
+/// Shown: tests/contract/support/flash_suite.h, on every implementation; power that fails:
+/// tests/contract/fake_flash.c.
 #ifndef HAL_FLASH_H
 #define HAL_FLASH_H
 

@@ -3,6 +3,7 @@
 /// A table says what each line is; its index is the line's number. Levels are logical: active or
 /// not. Wire a switch normally closed with a pull-up and active_low = false (active = open): a
 /// broken wire then reads as a pressed switch.
+/// Shown: tests/contract/support/gpio_suite.h, on every implementation.
 #ifndef HAL_GPIO_H
 #define HAL_GPIO_H
 

@@ -1,6 +1,7 @@
 /// Pulses for hobby servos and zoom lenses: a number of channels, each with a pulse width.
 ///
 /// After reset no channel gives pulses, and its line is low.
+/// Shown: tests/contract/support/pwm_suite.h, on every implementation.
 #ifndef HAL_PWM_H
 #define HAL_PWM_H
 

@@ -1,5 +1,6 @@
 /// A serial line: bytes in, bytes out, no more. Speed and framing (8N1, no flow control) are set
 /// when the device is opened.
+/// Shown: tests/contract/support/serial_suite.h, on every implementation.
 #ifndef HAL_SERIAL_H
 #define HAL_SERIAL_H
 

@@ -7,6 +7,7 @@
 ///
 /// None blocks: an operation that can't be done now says so and has changed nothing. The time comes
 /// from hal/clock.h alone. A device is used from one thread or interrupt level.
+/// Shown: every suite of tests/contract/support/.
 #ifndef HAL_STATUS_H
 #define HAL_STATUS_H
 

@@ -3,6 +3,7 @@
 /// The caller owns each transfer and its data, and leaves both alone from submit until poll hands
 /// the transfer back. Several may be under way; those of one endpoint are done in the order of
 /// their submission.
+/// Shown: tests/contract/support/usb_suite.h, on every implementation.
 #ifndef HAL_USB_H
 #define HAL_USB_H
 

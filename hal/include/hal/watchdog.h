@@ -1,4 +1,5 @@
 /// A watchdog: resets the board, which lets go of all its outputs, unless it is fed in time.
+/// Shown: tests/contract/support/watchdog_suite.h.
 #ifndef HAL_WATCHDOG_H
 #define HAL_WATCHDOG_H
 
