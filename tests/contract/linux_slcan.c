@@ -5,6 +5,7 @@
 #include "contract/support/failing_can.h"
 #include "contract/support/slcan_adapter.h"
 #include "contract/support/syscalls.h"
+#include "devices/fake_clock.h"
 #include "linux/linux_clock.h"
 
 #include <errno.h>
@@ -159,13 +160,8 @@ static void random_bytes(void) {
 
 // ---------------------------------------------------------------- the adapter's state
 
-static uint32_t hand_us;
-static uint32_t hand_now_us(void *ctx) {
-    (void)ctx;
-    return hand_us;
-}
 /// A clock that is set by hand.
-static struct hal_clock hand;
+static struct fake_clock hand;
 
 /// What the adapter answers to the flags command is state, bit by bit.
 static void flags_are_state(void) {
@@ -194,15 +190,15 @@ static void flags_are_asked_for(void) {
         slcan_adapter_plug_in(&a, &clock_.hal);
         a.flagged = knows != 0;
         linux_slcan_close(&a.port);
-        CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand), HAL_OK);
+        CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand.hal), HAL_OK);
         settle(NULL);
         CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
         a.heard_size = 0;
         for (int times = 0; times < 3; times++) {
-            hand_us += 249999;
+            fake_clock_advance(&hand, 249999);
             CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
             expect_heard(&a, "");
-            hand_us++;
+            fake_clock_advance(&hand, 1);
             CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
             expect_heard(&a, knows != 0 ? "F\r" : "");
         }
@@ -217,10 +213,10 @@ static void an_unanswered_question_is_no_refusal(void) {
     slcan_adapter_plug_in(&a, &clock_.hal);
     a.flagged = true;
     linux_slcan_close(&a.port);
-    CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand), HAL_OK);
+    CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand.hal), HAL_OK);
     settle(NULL);
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
-    hand_us += 250000;
+    fake_clock_advance(&hand, 250000);
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY); // asks
     for (int i = 0; i < 33; i++) {
         CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
@@ -407,9 +403,8 @@ static void unplugged_and_back(void) {
 }
 
 int main(void) {
-    static const struct hal_clock_ops hand_ops = {hand_now_us};
     linux_clock_open(&clock_, UINT32_MAX - 1000000U);
-    CHECK_EQ(hal_clock_bind(&hand, &hand_ops, &hand_us), HAL_OK);
+    fake_clock_init(&hand, 0);
     a.master = b.master = -1;
     a.port.serial.fd = b.port.serial.fd = -1;
     reset(NULL);
