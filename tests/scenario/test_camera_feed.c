@@ -184,6 +184,9 @@ static void formats_with_and_without_jpeg(void) {
         CHECK_EQ(syscalls_open_files(), files);
         CHECK_EQ(watched.fd, -1);
     }
+}
+
+static void a_camera_without_formats(void) {
     v4l2_model_reset();
     v4l2_model_faults.missing = 7;
     const struct camera_feed_settings settings = settings_of(fast);
@@ -447,6 +450,7 @@ int main(void) {
     loop_us = 77000000;
     path = v4l2_model_plug(&clock_.hal);
     TEST(formats_with_and_without_jpeg);
+    TEST(a_camera_without_formats);
     TEST(frames_are_counted);
     TEST(a_camera_leaves_and_returns);
     TEST(a_camera_that_comes_later);
