@@ -4,7 +4,8 @@
 /// Opening a USB camera takes up to a second, so after the first time it is done in the background,
 /// twice a second until it succeeds. Until then the camera is the background's alone; while frames
 /// come it belongs to the loop. Of frames that wait together the newest is handed on: the others
-/// are late. A simulated camera (stage_camera.h) is the same, but asked at every tick. Shown:
+/// are late. A simulated camera (stage_camera.h) is the same, but asked at every tick.
+/// Shown: tests/scenario/test_camera_feed.c (a model of V4L2: formats, counts, silence, leaving),
 /// tests/vm/guest/camera.sh (an emulated USB camera: pulled out, silent, back again).
 #ifndef LINUX_CAMERA_FEED_H
 #define LINUX_CAMERA_FEED_H

@@ -112,4 +112,28 @@ fi
 [ ! -s "$dir/err" ]
 verdict 'a closed pipe is quiet' $?
 
+# Options of sim that mean something only with others: told before any file is looked at.
+scenario=$dir/nowhere.ini
+for with in '--frames x.pgm' '--targets x.jsonl' '--state 1' '--frames x.pgm --targets x.jsonl --state 0.5'; do
+    # shellcheck disable=SC2086
+    run sim "$scenario" $with </dev/null
+    ends "sim $with" 2 'boresight sim: --frames, --targets and --state belong to --serve'
+done
+for with in '--mcu-faults x' '--mcu-console x' '--mcu-serial x'; do
+    # shellcheck disable=SC2086
+    run sim "$scenario" $with </dev/null
+    ends "sim $with" 2 'boresight sim: --mcu-faults, --mcu-console and --mcu-serial belong to --mcu'
+done
+for with in "$scenario" '--speed 2' '--report x'; do
+    # shellcheck disable=SC2086
+    run sim "$scenario" --serve can:nosuch0 $with </dev/null
+    ends "sim --serve with ${with##*/}" 2 'boresight sim: --serve takes one scenario, and no --speed and no --report'
+done
+run sim "$scenario" "$scenario" --record x </dev/null
+ends 'sim --record of two' 2 'boresight sim: --record takes one scenario'
+run sim </dev/null
+ends 'sim of nothing' 2 'boresight sim: which scenario? give its file'
+run sim "$scenario" --replay x </dev/null
+ends 'sim --replay of a scenario' 2 'boresight sim: --replay takes no scenario'
+
 finish

@@ -242,7 +242,7 @@ static void cameras_that_can_not_be_had(void) {
     v4l2_model_faults.busy = false;
     CHECK_EQ(hal_camera_start(&camera.hal), HAL_OK);
     reset(NULL);
-    v4l2_model_faults.no_format = true;
+    v4l2_model_faults.missing = 7;
     CHECK_EQ(hal_camera_negotiate(&camera.hal, &format), HAL_ERROR_UNSUPPORTED);
 }
 

@@ -3,128 +3,26 @@
 #include "contract/support/can_suite.h"
 #include "contract/support/contract.h"
 #include "contract/support/failing_can.h"
+#include "contract/support/slcan_adapter.h"
 #include "contract/support/syscalls.h"
+#include "devices/fake_clock.h"
 #include "linux/linux_clock.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 static struct linux_clock clock_;
 
-/// An adapter: it looks at the first letter of a line only, and hands frames on as text.
-struct adapter {
-    struct linux_slcan port;
-    int master;
-    char path[64];
-    bool open, refusing, flagged;
-    char line[64];
-    size_t size;
-    char heard[4096]; ///< everything that the driver sent
-    size_t heard_size;
-    uint32_t marks; ///< that have come
-};
-static struct adapter a, b;
+static struct slcan_adapter a, b;
 static struct failing_can failing; ///< in front of a
-
-/// A byte that the driver never sends. The kernel takes its time, but keeps the order: when it has
-/// come, all that the driver sent before has.
-#define MARK '\001'
-
-/// What the driver could read now; -1: it has no port open.
-static int readable(const struct adapter *adapter) {
-    int count;
-    return ioctl(adapter->port.serial.fd, FIONREAD, &count) == 0 ? count : -1;
-}
-
-/// Returns when the driver can read it: the kernel takes its time.
-static void say(struct adapter *adapter, const char *text, size_t size) {
-    const int before = readable(adapter);
-    CHECK_EQ(write(adapter->master, text, size), size);
-    for (int i = 0; i < 300000 && before >= 0 && readable(adapter) < before + (int)size; i++) {
-        usleep(100);
-    }
-    CHECK(before < 0 || readable(adapter) == before + (int)size);
-}
-
-static void obey(struct adapter *adapter, struct adapter *other) {
-    char *line = adapter->line;
-    line[adapter->size++] = '\r';
-    switch (line[0]) {
-    case '\r':
-        break;
-    case 'C':
-        adapter->open = false;
-        say(adapter, "\r", 1);
-        break;
-    case 'O':
-        adapter->open = true;
-        say(adapter, "\r", 1);
-        break;
-    case 'S':
-        say(adapter, adapter->open ? "\a" : "\r", 1);
-        break;
-    case 'F':
-        say(adapter, adapter->flagged ? "F2C\r" : "\a", adapter->flagged ? 4 : 1);
-        break;
-    default:
-        if (!adapter->open || adapter->refusing) {
-            say(adapter, "\a", 1);
-            break;
-        }
-        say(adapter, line[0] == 't' || line[0] == 'r' ? "z\r" : "Z\r", 2);
-        if (other->open) {
-            say(other, line, adapter->size);
-        }
-    }
-    adapter->size = 0;
-}
-
-static void serve(struct adapter *adapter, struct adapter *other) {
-    char bytes[256];
-    const ssize_t count = read(adapter->master, bytes, sizeof bytes);
-    CHECK(count > 0 || errno == EAGAIN || errno == EIO);
-    for (ssize_t i = 0; i < count; i++) {
-        if (bytes[i] == MARK) {
-            adapter->marks++;
-            continue;
-        }
-        if (adapter->heard_size < sizeof adapter->heard - 1U) {
-            adapter->heard[adapter->heard_size++] = bytes[i];
-        }
-        if (bytes[i] == '\r') {
-            obey(adapter, other);
-        } else if (adapter->size < sizeof adapter->line - 1U) {
-            adapter->line[adapter->size++] = bytes[i];
-        }
-    }
-}
-
-/// Until everything that a driver has sent is there and served.
-static void settle_one(struct adapter *adapter, struct adapter *other) {
-    const int port = adapter->port.serial.fd;
-    const uint32_t marks = adapter->marks;
-    bool marked = readable(adapter) < 0;
-    for (int i = 0; i < 30000 && (!marked || (readable(adapter) >= 0 && adapter->marks == marks));
-         i++) {
-        marked = marked || write(port, &(char){MARK}, 1) == 1; // not while it is full
-        struct pollfd ready = {.fd = adapter->master, .events = POLLIN};
-        (void)poll(&ready, 1, 1);
-        serve(adapter, other);
-    }
-    CHECK(readable(adapter) < 0 || adapter->marks == marks + 1U);
-}
 
 static void settle(void *context) {
     (void)context;
     syscalls_watch(false);
-    settle_one(&a, &b);
-    settle_one(&b, &a);
+    slcan_adapter_settle(&a, &b);
+    slcan_adapter_settle(&b, &a);
     syscalls_watch(true);
 }
 
@@ -138,24 +36,10 @@ static bool fail_at(void *context, uint32_t nth, enum hal_status status) {
     return failing_can_at(&failing, nth, status);
 }
 
-static void plug_in(struct adapter *adapter) {
-    linux_slcan_close(&adapter->port);
-    if (adapter->master >= 0) {
-        close(adapter->master);
-    }
-    *adapter = (struct adapter){.master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)};
-    if (adapter->master < 0 || grantpt(adapter->master) != 0 || unlockpt(adapter->master) != 0 ||
-        ptsname_r(adapter->master, adapter->path, sizeof adapter->path) != 0) {
-        perror("no pseudo-terminal");
-        exit(2);
-    }
-    CHECK_EQ(linux_slcan_open(&adapter->port, adapter->path, 1000000, &clock_.hal), HAL_OK);
-}
-
 static void reset(void *context) {
     (void)context;
-    plug_in(&a);
-    plug_in(&b);
+    slcan_adapter_plug_in(&a, &clock_.hal);
+    slcan_adapter_plug_in(&b, &clock_.hal);
     settle(NULL);
     CHECK(a.open && b.open);
     failing_can_init(&failing, &a.port.hal, fail_kernel);
@@ -164,11 +48,11 @@ static void reset(void *context) {
 // ---------------------------------------------------------------- the text
 
 /// What the driver has said since the last time.
-static void expect_heard(struct adapter *adapter, const char *wanted) {
+static void expect_heard(struct slcan_adapter *adapter, const char *wanted) {
     settle(NULL);
     for (int i = 0; i < 300000 && adapter->heard_size < strlen(wanted); i++) {
         usleep(100); // of a port that is closed
-        serve(adapter, adapter == &a ? &b : &a);
+        slcan_adapter_serve(adapter, adapter == &a ? &b : &a);
     }
     adapter->heard[adapter->heard_size] = '\0';
     if (!CHECK(strcmp(adapter->heard, wanted) == 0)) {
@@ -232,10 +116,10 @@ static void text_that_is_received(void) {
         "NXXXX\r\r\rt123411223344556677889900112233445566778899001122334455\r";
     struct can_frame got;
     uint32_t at_us;
-    say(&a, bad, sizeof bad - 1U);
+    slcan_adapter_say(&a, bad, sizeof bad - 1U);
     settle(NULL);
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
-    say(&a, good, sizeof good - 1U);
+    slcan_adapter_say(&a, good, sizeof good - 1U);
     settle(NULL);
     const struct can_frame wanted[] = {
         {0x123, 0, 4, {10, 11, 12, 13}},
@@ -261,12 +145,12 @@ static void random_bytes(void) {
             static const char alphabet[] = "tTrRzZF0123456789ABCDEFabcdef\r\r\r\a\n\xff x";
             bytes[i] = alphabet[check_random(&seed) % (sizeof alphabet - 1U)];
         }
-        say(&a, bytes, sizeof bytes);
+        slcan_adapter_say(&a, bytes, sizeof bytes);
         while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
             CHECK(can_frame_is_valid(&got));
         }
     }
-    say(&a, "\rt00101\r\rt0021EE\r", 17);
+    slcan_adapter_say(&a, "\rt00101\r\rt0021EE\r", 17);
     bool understood = false;
     while (hal_can_receive(&a.port.hal, &got, &at_us) == HAL_OK) {
         understood = got.id == 2U && got.length == 1U && got.data[0] == 0xEE;
@@ -276,13 +160,8 @@ static void random_bytes(void) {
 
 // ---------------------------------------------------------------- the adapter's state
 
-static uint32_t hand_us;
-static uint32_t hand_now_us(void *ctx) {
-    (void)ctx;
-    return hand_us;
-}
 /// A clock that is set by hand.
-static struct hal_clock hand;
+static struct fake_clock hand;
 
 /// What the adapter answers to the flags command is state, bit by bit.
 static void flags_are_state(void) {
@@ -293,7 +172,7 @@ static void flags_are_state(void) {
     for (unsigned bit = 0; bit < 8U; bit++) {
         char text[8];
         snprintf(text, sizeof text, "F%02X\r", 1U << bit);
-        say(&a, text, 4);
+        slcan_adapter_say(&a, text, 4);
         CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
         CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
         lost += bit == 3U;
@@ -308,22 +187,45 @@ static void flags_are_asked_for(void) {
     struct can_frame got;
     uint32_t at_us;
     for (int knows = 1; knows >= 0; knows--) { // the command
-        plug_in(&a);
+        slcan_adapter_plug_in(&a, &clock_.hal);
         a.flagged = knows != 0;
         linux_slcan_close(&a.port);
-        CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand), HAL_OK);
+        CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand.hal), HAL_OK);
         settle(NULL);
         CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
         a.heard_size = 0;
         for (int times = 0; times < 3; times++) {
-            hand_us += 249999;
+            fake_clock_advance(&hand, 249999);
             CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
             expect_heard(&a, "");
-            hand_us++;
+            fake_clock_advance(&hand, 1);
             CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
             expect_heard(&a, knows != 0 ? "F\r" : "");
         }
     }
+}
+
+/// A question that is not answered for once is no refusal of a frame.
+static void an_unanswered_question_is_no_refusal(void) {
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    slcan_adapter_plug_in(&a, &clock_.hal);
+    a.flagged = true;
+    linux_slcan_close(&a.port);
+    CHECK_EQ(linux_slcan_open(&a.port, a.path, 1000000, &hand.hal), HAL_OK);
+    settle(NULL);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    fake_clock_advance(&hand, 250000);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY); // asks
+    for (int i = 0; i < 33; i++) {
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        CHECK(state.health != HAL_CAN_OFF);
+        slcan_adapter_say(&a, "\a", 1);
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    }
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.health, HAL_CAN_OFF);
 }
 
 /// 32 refusals in a row: off the bus. A restart opens the channel, and nothing of before is sent.
@@ -357,6 +259,47 @@ static void refusals_are_bus_off(void) {
     CHECK(can_frame_equal(&got, &frame));
 }
 
+/// An adapter that obeys nothing, not even the restart, is off the bus again and again.
+static void refusals_after_a_restart(void) {
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    reset(NULL);
+    for (int times = 0; times < 3; times++) {
+        for (int i = 0; i < 40; i++) {
+            slcan_adapter_say(&a, "\a", 1);
+        }
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        CHECK_EQ(state.health, HAL_CAN_OFF);
+        CHECK_EQ(hal_can_restart(&a.port.hal), HAL_OK);
+        CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+        CHECK_EQ(state.health, HAL_CAN_ACTIVE);
+    }
+}
+
+/// Of 100 frames that nobody takes the first 64 stay, and the others are counted.
+static void frames_beyond_the_queue_are_counted(void) {
+    struct can_frame got;
+    uint32_t at_us;
+    struct hal_can_state state;
+    reset(NULL);
+    for (unsigned i = 0; i < 100U; i++) {
+        char text[16];
+        snprintf(text, sizeof text, "t0421%02X\r", i);
+        slcan_adapter_say(&a, text, 8);
+    }
+    for (unsigned i = 0; i < 64U; i++) {
+        CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_OK);
+        CHECK(got.id == 0x42U && got.length == 1U && got.data[0] == i);
+    }
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
+    CHECK_EQ(state.lost_count, 36);
+    slcan_adapter_say(&a, "t0420\r", 6);
+    CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_OK);
+}
+
 /// Refusals with obedience in between are no bus-off, whichever way the adapter obeys.
 static void refusals_count_in_a_row(void) {
     static const char *const obeyed[] = {"\r", "z\r", "Z\r"};
@@ -366,14 +309,14 @@ static void refusals_count_in_a_row(void) {
     reset(NULL);
     for (unsigned i = 0; i < 4U; i++) {
         for (int k = 0; k < 31; k++) {
-            say(&a, "\a", 1);
+            slcan_adapter_say(&a, "\a", 1);
         }
-        say(&a, i < 3U ? obeyed[i] : "zz\r", i == 0U ? 1 : i < 3U ? 2 : 3);
+        slcan_adapter_say(&a, i < 3U ? obeyed[i] : "zz\r", i == 0U ? 1 : i < 3U ? 2 : 3);
         CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
         CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
         CHECK_EQ(state.health, HAL_CAN_ACTIVE);
     }
-    say(&a, "\a", 1); // that line was not obedience
+    slcan_adapter_say(&a, "\a", 1); // that line was not obedience
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
     CHECK_EQ(hal_can_state(&a.port.hal, &state), HAL_OK);
     CHECK_EQ(state.health, HAL_CAN_OFF);
@@ -396,14 +339,14 @@ static void full_port_is_busy(void) {
     CHECK(taken > 10U);
     struct can_frame other; // what comes in is taken in all the same
     uint32_t other_us;
-    say(&a, "t12310A\r", 8);
+    slcan_adapter_say(&a, "t12310A\r", 8);
     CHECK_EQ(hal_can_receive(&a.port.hal, &other, &other_us), HAL_OK);
     CHECK_EQ(other.id, 0x123);
     uint32_t arrived = 0;
     for (int i = 0; i < 300000 && arrived < taken; i++) {
         struct can_frame got;
         uint32_t at_us;
-        serve(&a, &b);
+        slcan_adapter_serve(&a, &b);
         (void)!hal_can_receive(&a.port.hal, &got, &at_us); // sends the rest of a cut line
         usleep(100);
         while (hal_can_receive(&b.port.hal, &got, &at_us) == HAL_OK) {
@@ -450,7 +393,7 @@ static void unplugged_and_back(void) {
     linux_slcan_close(&a.port);
     CHECK_EQ(linux_slcan_open(&a.port, b.path, 1000000, &clock_.hal), HAL_ERROR_DENIED); // in use
     CHECK_EQ(linux_slcan_open(&a.port, "/dev/null", 1000000, &clock_.hal), HAL_ERROR_UNSUPPORTED);
-    plug_in(&a);
+    slcan_adapter_plug_in(&a, &clock_.hal);
     CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_DENIED);
     linux_slcan_close(&a.port);
     CHECK_EQ(linux_slcan_open(&b.port, a.path, 333333, &clock_.hal), HAL_ERROR_ARGUMENT);
@@ -460,9 +403,8 @@ static void unplugged_and_back(void) {
 }
 
 int main(void) {
-    static const struct hal_clock_ops hand_ops = {hand_now_us};
     linux_clock_open(&clock_, UINT32_MAX - 1000000U);
-    CHECK_EQ(hal_clock_bind(&hand, &hand_ops, &hand_us), HAL_OK);
+    fake_clock_init(&hand, 0);
     a.master = b.master = -1;
     a.port.serial.fd = b.port.serial.fd = -1;
     reset(NULL);
@@ -480,7 +422,10 @@ int main(void) {
     CONTRACT("linux_slcan", random_bytes);
     CONTRACT("linux_slcan", flags_are_state);
     CONTRACT("linux_slcan", flags_are_asked_for);
+    CONTRACT("linux_slcan", an_unanswered_question_is_no_refusal);
     CONTRACT("linux_slcan", refusals_are_bus_off);
+    CONTRACT("linux_slcan", refusals_after_a_restart);
+    CONTRACT("linux_slcan", frames_beyond_the_queue_are_counted);
     CONTRACT("linux_slcan", refusals_count_in_a_row);
     CONTRACT("linux_slcan", full_port_is_busy);
     CONTRACT("linux_slcan", unplugged_while_listening);

@@ -9,7 +9,7 @@ program=$out/boresight
 
 tests=$out/gcc/tests
 env -u MAKEFLAGS -u MAKELEVEL make -j2 -s B=$out gcc_flags=-O0 libusb=0 jpeg=0 apriltag=0 cairo=0 gpiod=0 \
-    $program $tests/contract/linux_luma $tests/property/tag_frames >"$dir/log" 2>&1
+    $program $tests/contract/linux_luma $tests/property/tag_frames $tests/scenario/test_camera_feed >"$dir/log" 2>&1
 built=$?
 [ $built -eq 0 ] || cat "$dir/log"
 verdict 'it builds without any of them' $built
@@ -54,6 +54,11 @@ verdict 'probe says what it does not look for' $?
 $tests/contract/linux_luma >"$dir/log" && grep -q '^SKIP linux_luma.jpeg: built without libjpeg-turbo$' "$dir/log" &&
     $tests/property/tag_frames >"$dir/log" && grep -q '^SKIP tag_frames: this program was built without libapriltag: install' "$dir/log"
 verdict 'tests of what is missing are skipped by name' $?
+$tests/scenario/test_camera_feed >"$dir/log" && grep -q '^# without libjpeg-turbo' "$dir/log" || {
+    cat "$dir/log"
+    false
+}
+verdict 'without libjpeg-turbo a camera is asked for pixels' $?
 for test in camera detect picture; do
     BORESIGHT=$program sh tests/cli/$test.sh >"$dir/log" 2>&1
     ! grep -q '^FAIL' "$dir/log" && grep -q '^ok' "$dir/log" || {

@@ -113,12 +113,19 @@ static int set_controls(const struct v4l2_ext_controls *request) {
 
 // ---------------------------------------------------------------- formats
 
+static bool has_format(unsigned format) {
+    return (v4l2_model_faults.missing >> format & 1U) == 0U;
+}
+
 static int enumerate_format(struct v4l2_fmtdesc *about) {
-    if (about->index >= FORMATS || v4l2_model_faults.no_format) {
-        return fails(EINVAL);
+    uint32_t before = 0;
+    for (unsigned i = 0; i < FORMATS; i++) {
+        if (has_format(i) && before++ == about->index) {
+            about->pixelformat = fourcc[i];
+            return 0;
+        }
     }
-    about->pixelformat = fourcc[about->index];
-    return 0;
+    return fails(EINVAL);
 }
 
 static int enumerate_size(struct v4l2_frmsizeenum *about) {
@@ -155,7 +162,8 @@ static int set_format(struct v4l2_format *format) {
         return fails(EBUSY);
     }
     for (unsigned i = 0; i < FORMATS; i++) {
-        model.format = fourcc[i] == format->fmt.pix.pixelformat ? i : model.format;
+        const bool asked_for = fourcc[i] == format->fmt.pix.pixelformat;
+        model.format = has_format(i) && (asked_for || !has_format(model.format)) ? i : model.format;
     }
     model.size = format->fmt.pix.width >= 240U ? 0U : 1U;
     return get_format(format);
@@ -166,6 +174,9 @@ static int parameters(struct v4l2_streamparm *about, bool set) {
     if (set && each->denominator > 0U) {
         const uint64_t us = (uint64_t)each->numerator * 1000000U / each->denominator;
         model.interval_us = us < 60000U ? 33333U : 100000U;
+    }
+    if (v4l2_model_faults.slow_pixels && model.format != 2U) {
+        model.interval_us = 500000;
     }
     *each = (struct v4l2_fract){model.interval_us, 1000000};
     return 0;

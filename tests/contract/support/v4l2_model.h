@@ -26,8 +26,10 @@ struct v4l2_model_faults {
     uint32_t lose;  ///< frames that never come
     bool busy;      ///< another program streams
     bool no_frames; ///< it is an output, or whatever else
-    bool no_format; ///< it has none that we know
-    int refuse;     ///< settings fail with that errno
+    /// Formats that it does not have: 1 GREY, 2 YUYV, 4 MJPG.
+    unsigned missing;
+    bool slow_pixels; ///< no more than 2 pictures a second but as MJPG
+    int refuse;       ///< settings fail with that errno
     /// Questions about controls fail with an errno: so many of them.
     int control_error;
     uint32_t control_errors;
