@@ -175,10 +175,63 @@ wait $witness
 grep -q ' 241#' "$work/candump" && grep -q ' 145#' "$work/candump" && ! grep -q ' 14.#A' "$work/candump"
 verdict refusals.the_drive_that_answers_does_not_move $?
 
-end_serve
-
-# ---------------------------------------------------------------- names that stay
+# ---------------------------------------------------------------- a rig file of nothing but what `probe` prints, and names that stay
 mkdir -p /dev/v4l/by-path && ln -s ../../video0 /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0
 "$boresight" probe >"$work/probe" 2>"$work/err"
-grep -q '^camera .* device = /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0 ' "$work/probe"
+probed() { sed -n "/^$1 .*$2/s/.* \($3 = [^ ]*\) .*/\1/p" "$work/probe" | head -n 1; } # KIND ABOUT KEY
+[ "$(probed camera . device)" = 'device = /dev/v4l/by-path/platform-usb-0:4:1.0-video-index0' ]
 verdict refusals.probe_prefers_names_that_stay $? "$work/probe"
+{
+    printf '[pan]\ndrive = pwm\n%s\nchannel = 0\nlimit_min_deg = -50\nlimit_max_deg = 50\nspeed_max_dps = 20\naccel_max_dps2 = 40\n' "$(probed usb Maestro device)"
+    printf '[tilt]\ndrive = rmd\n%s\nid = 2\nlimit_min_deg = -30\nlimit_max_deg = 60\nspeed_max_dps = 10\naccel_max_dps2 = 20\n' "$(probed can vcan0 bus)"
+    printf '[zoom]\ndrive = pwm\n%s\nchannel = 3\nfocal_mm = 3, 30\npulse_us = 1000, 2000\n' "$(probed pwm pca9685 device)"
+    printf '[camera]\n%s\ndetect = markers\nrate_hz = 5\nwidth_px = 160\nheight_px = 120\n' "$(probed camera . device)"
+    printf '[safety]\n%s\nsilence_ms = 2000\nwatchdog_ms = 0\n\n[controller]\ntick_us = 20000\n' "$(probed gpio rig-lines estop | sed 's/LINE/1/')"
+} >"$work/rig.ini"
+# homes NAME RIG WORDS: homed, with frames of its camera, and said no more than WORDS; as $user
+homes() {
+    : >"$work/out" >"$work/err" # or what waits for words may find the last run's
+    # shellcheck disable=SC2086
+    $user "$boresight" run "$2" --stay --state 0.5 --json >"$work/out" 2>"$work/err" &
+    runner=$!
+    case $3 in *pressed*) # the line's `up` has moved the simulated pin itself: now the button is closed
+        until_true 60 grep -q 'emergency stop is pressed' "$work/err"
+        echo pull-down >"$pins/sim_gpio1/pull"
+        until_true 60 grep -q 'emergency stop is released' "$work/err" ;;
+    esac
+    until_true 60 grep -q 'run: ready' "$work/err" && until_true 60 grep -q '"camera_frames": [1-9]' "$work/out"
+    came=$?
+    kill -INT $runner
+    wait $runner
+    case $? in 0 | 5) [ $came -eq 0 ] && ! grep -qvE "run: (ready|starting|without .*|.*it is opened anew)\$|$3" "$work/err" ;; *) false ;; esac
+    verdict "refusals.$1" $? "$2" "$work/err" "$work/out"
+}
+homes a_rig_of_what_probe_prints "$work/rig.ini" 'emergency stop is (pressed|released)'
+end_serve
+
+# ---------------------------------------------------------------- who is in the groups of docs/rig.md, by the installed rules as udev takes them
+udevd=/lib/systemd/systemd-udevd
+if [ ! -x $udevd ]; then
+    echo 'SKIP vm.refusals.members_of_the_groups_may_use_them: no udev here'
+    exit
+fi
+cp /etc/group "$work/group"
+for group in gpio plugdev; do grep -q "^$group:" "$work/group" || echo "$group:x:$((7000 + $(wc -l <"$work/group"))):" >>"$work/group"; done
+mount --bind "$work/group" /etc/group
+rm -r /dev/v4l
+mkdir -p /run/udev/rules.d && cp boards/linux/package/70-boresight.rules /run/udev/rules.d/
+chgrp 0 /dev/video0
+chmod 600 /dev/video0
+$udevd --daemon >"$work/udev" 2>&1
+udevadm trigger --action=add /dev/video0 "/dev/$gpio" /sys/class/pwm/pwmchip0 "$(usb_file 1ffb)" "$(usb_file 1d50)" >>"$work/udev" 2>&1
+udevadm settle --timeout=120 >>"$work/udev" 2>&1
+belongs() { # FILE GROUP
+    [ "$(stat -L -c %G "$1")" = "$2" ] && case $(stat -L -c %A "$1") in ?????w*) true ;; *) false ;; esac
+}
+belongs "$(usb_file 1ffb)" plugdev && belongs "$(usb_file 1d50)" plugdev && belongs "/dev/$gpio" gpio && belongs /sys/class/pwm/pwmchip0/export gpio
+verdict refusals.rules_give_devices_to_their_groups $? "$work/udev"
+# No root, and outputs that nobody has had before: on a machine as slow as this one their files get their group later than the
+# driver waits for, and --stay looks again.
+sed -i "s/^channel = 2/channel = 9/; s/^settle_ms.*/&\nestop = $gpio:1/" "$work/held.ini"
+user='setpriv --reuid 65534 --regid 65534 --groups gpio,plugdev,video'
+homes members_of_the_groups_may_use_them "$work/held.ini" 'pwmchip0 output [0-9]: no permission|run: waiting until|run: all devices are there'
