@@ -315,6 +315,26 @@ static void a_camera_leaves_and_returns(void) {
     CHECK_EQ(syscalls_open_files(), files);
 }
 
+static bool is_refused(void) {
+    return linux_camera_failed_settings(&devices.device[0].camera) >= 2U;
+}
+
+/// Both axes are asked for again, also if nothing else is.
+static void a_refused_setting_is_sent_again(void) {
+    v4l2_model_reset();
+    CHECK_EQ(open_rig(UVC_RIG("-170", "180", "-90", "80"), camera_path, camera_path),
+             EXIT_STATUS_OK);
+    v4l2_model_faults.refuse = EIO;
+    CHECK_EQ(ask(AXIS_PAN, 10000000 + 36000), HAL_OK);
+    CHECK_EQ(ask(AXIS_TILT, 10000000 - 72000), HAL_OK);
+    CHECK(ticks_until(is_refused));
+    CHECK(!is_lost());
+    v4l2_model_faults.refuse = 0;
+    CHECK(ticks_until(looks_there));
+    CHECK(!is_lost() && !rig_devices_incomplete(&devices));
+    close_rig();
+}
+
 /// The model turns 180 degrees to either side, and 90 up and down.
 static void axes_that_a_camera_does_not_have(void) {
     const uint32_t files = syscalls_open_files();
@@ -336,6 +356,9 @@ static void axes_that_a_camera_does_not_have(void) {
                        wanted);
     }
     v4l2_model_reset();
+    expect_refusal(open_rig(UVC_RIG("-170", "170", "-80", "80"), "/dev/nocamera", "/dev/nocamera"),
+                   "/dev/nocamera: no such file or device; is it plugged in? `boresight probe` "
+                   "lists the cameras");
     CHECK_EQ(syscalls_open_files(), files);
 }
 
@@ -416,6 +439,7 @@ int main(void) {
     TEST(a_maestro_leaves_and_returns);
     TEST(maestros_that_can_not_be_had);
     TEST(a_camera_leaves_and_returns);
+    TEST(a_refused_setting_is_sent_again);
     TEST(axes_that_a_camera_does_not_have);
     TEST(lines_of_a_chip_that_leaves);
     TEST(lines_that_can_not_be_had);
