@@ -12,7 +12,8 @@
 ///
 /// Opening takes long, a USB device up to seconds, so what was lost is opened in the background: no
 /// tick waits for it. Until then it belongs to the background alone.
-/// Shown: tests/scenario/test_rig_mend.c (an adapter whose opening blocks).
+/// Shown: tests/scenario/test_rig_devices.c (Maestro, camera and lines that leave and return),
+/// tests/scenario/test_rig_mend.c (an adapter whose opening blocks).
 #ifndef LINUX_RIG_DEVICES_H
 #define LINUX_RIG_DEVICES_H
 

@@ -110,7 +110,11 @@ static void directions_that_no_pixel_shows(void) {
     CHECK(!camera_model_project(&model, (const double[3]){0.1, -1.0, 0.1}, pixel));
     CHECK(!camera_model_project(&model, (const double[3]){NAN, 1.0, 0.0}, pixel));
     // Beyond the fold two directions would share a pixel.
-    CHECK(!camera_model_project(&model, (const double[3]){3.0, 1.0, 0.0}, pixel));
+    for (int i = 0; i < 24; i++) {
+        const double far = 3.0, right = far * cos(i * 0.261799), up = far * sin(i * 0.261799);
+        CHECK(!camera_model_project(&model, (const double[3]){right, 1.0, up}, pixel));
+        CHECK(camera_model_project(&model, (const double[3]){right, 6.0, up}, pixel));
+    }
     double ray[3];
     CHECK(!camera_model_ray(&model, (const double[2]){5000.0, 200.0}, ray));
     CHECK(!camera_model_ray(&model, (const double[2]){NAN, 200.0}, ray));
@@ -149,17 +153,37 @@ static void the_fold_is_where_it_should_be(void) {
     CHECK(!camera_model_ray(&model, (const double[2]){edge + 0.01, 49.5}, ray));
 }
 
+/// The fold is 153.96 pixels from the centre here. Of pictures whose centre is not in their middle
+/// one corner after the other is a third of a pixel inside of it, and then as far beyond.
+static void each_corner_has_to_have_a_direction(void) {
+    for (int corner = 0; corner < 4; corner++) {
+        for (int beyond = 0; beyond < 2; beyond++) {
+            const double off = (153.96 + (beyond != 0 ? 0.33 : -0.33)) / sqrt(2.0) - 50.0;
+            struct camera_model model = camera_model_pinhole(100, 100, 200.0);
+            model.k1 = -0.25;
+            model.cx_px += (corner & 1) != 0 ? off : -off;
+            model.cy_px += (corner & 2) != 0 ? off : -off;
+            CHECK_EQ(camera_model_check(&model) != NULL, beyond);
+        }
+    }
+}
+
 /// The edges of the picture show the same directions at any size of it, and zooming by two doubles
 /// distances from the centre.
 static void other_sizes_and_zooms(void) {
     struct camera_model model = wide;
     CHECK(camera_model_check(&model) == NULL);
-    const struct camera_model half = camera_model_resized(&model, 320, 240);
-    double a[3], b[3];
-    CHECK(camera_model_ray(&model, (const double[2]){-0.5, 479.5}, a));
-    CHECK(camera_model_ray(&half, (const double[2]){-0.5, 239.5}, b));
-    for (unsigned i = 0; i < 3U; i++) {
-        CHECK(fabs(a[i] - b[i]) < 1e-12);
+    const struct camera_model half = camera_model_resized(&model, 320, 120);
+    for (unsigned corner = 0; corner < 4U; corner++) {
+        const double right = corner % 2U, down = corner / 2U; // from edge to edge
+        double a[3], b[3];
+        CHECK(camera_model_ray(&model, (const double[2]){640.0 * right - 0.5, 480.0 * down - 0.5},
+                               a));
+        CHECK(
+            camera_model_ray(&half, (const double[2]){320.0 * right - 0.5, 120.0 * down - 0.5}, b));
+        for (unsigned i = 0; i < 3U; i++) {
+            CHECK(fabs(a[i] - b[i]) < 1e-12);
+        }
     }
     const struct camera_model zoomed = camera_model_zoomed(&model, 2.0);
     const double direction[3] = {0.1, 1.0, 0.05};
@@ -177,6 +201,7 @@ int main(void) {
     TEST(directions_that_no_pixel_shows);
     TEST(cameras_that_are_none);
     TEST(the_fold_is_where_it_should_be);
+    TEST(each_corner_has_to_have_a_direction);
     TEST(other_sizes_and_zooms);
     return check_finish();
 }

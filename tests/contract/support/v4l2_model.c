@@ -58,7 +58,7 @@ static int fails(int error_number) {
 
 static const struct v4l2_queryctrl *range_of(uint32_t id, unsigned *at) {
     for (*at = 0; *at < CONTROLS; (*at)++) {
-        if (ranges[*at].id == id) {
+        if (ranges[*at].id == id && id != v4l2_model_faults.without) {
             return &ranges[*at];
         }
     }

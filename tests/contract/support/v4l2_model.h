@@ -29,6 +29,7 @@ struct v4l2_model_faults {
     /// Formats that it does not have: 1 GREY, 2 YUYV, 4 MJPG.
     unsigned missing;
     bool slow_pixels; ///< no more than 2 pictures a second but as MJPG
+    uint32_t without; ///< a control that it does not have
     int refuse;       ///< settings fail with that errno
     /// Questions about controls fail with an errno: so many of them.
     int control_error;
