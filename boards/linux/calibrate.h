@@ -15,8 +15,9 @@
 /// - Times are those of the drive's answers (of the kernel's stamps on SocketCAN), not of the ticks
 ///   that find them. All moves are repeated until two rounds agree, or the middle half of more, up
 ///   to CALIBRATE_ROUNDS; the median counts. Where they never agree that is told: noisy.
-/// - The camera's latency: pan swings to and fro while the camera looks at whatever it finds that
-///   stands still (camera_latency.h). Nobody follows what it finds meanwhile.
+/// - The camera's latency and focal length: pan swings to and fro while the camera looks at
+///   whatever it finds that stands still (camera_latency.h). Nobody follows what it finds
+///   meanwhile.
 /// Shown: tests/cli/calibrate.sh (against the simulator's drives and camera, whose ends, lag and
 /// latency are known), tests/vm/guest/calibrate.sh (the same over SocketCAN, on a machine that
 /// pauses).
@@ -63,6 +64,8 @@ struct calibrate_camera {
     bool measured;
     const char *why_not; ///< NULL: it was, or there is none
     double latency_ms, rms_deg;
+    double fx_px;                    ///< by how the thing went through the picture
+    double given_fx_px, given_fy_px; ///< as the rig file has them
     uint32_t sights;
 };
 

@@ -111,6 +111,14 @@ void calibrate_camera_fit(struct calibrate *c) {
         return;
     }
     camera->sights = c->sights.sight_count;
-    camera->why_not = camera_latency_fit(&c->sights, &camera->latency_ms, &camera->rms_deg);
+    struct camera_latency_found found;
+    camera->why_not = camera_latency_fit(&c->sights, &found);
     camera->measured = camera->why_not == NULL;
+    if (camera->measured) {
+        camera->latency_ms = found.latency_ms;
+        camera->rms_deg = found.rms_deg;
+        camera->given_fx_px = c->runner.rig.eye.model.fx_px;
+        camera->given_fy_px = c->runner.rig.eye.model.fy_px;
+        camera->fx_px = camera->given_fx_px * found.lens;
+    }
 }

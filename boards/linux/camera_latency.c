@@ -7,6 +7,7 @@
 #define SIGHTS_MIN   20U
 #define TURN_DEG_MIN 3.0 ///< that the gimbal turns in all
 #define GRID_MS      10
+#define LENS_STEPS   24 ///< of a golden section: to 1.5e-5
 /// With another latency, two steps of the grid away, the scatter is so many times more.
 #define SHARP 1.5
 
@@ -68,8 +69,18 @@ static bool pose_at(const struct camera_latency *latency, double at_us, struct c
     return true;
 }
 
+/// What a lens so many times as long as the model would have made of the same pixel.
+static void through_lens(const double ray[3], double lens, double out[3]) {
+    const double x = ray[0] / lens, y = ray[1], z = ray[2] / lens;
+    const double length = sqrt(x * x + y * y + z * z);
+    out[0] = x / length;
+    out[1] = y / length;
+    out[2] = z / length;
+}
+
 /// Mean square of the distances from the middles, in radians; few: nothing can be said.
-static double scatter(const struct camera_latency *latency, double latency_ms, uint32_t *count) {
+static double scatter(const struct camera_latency *latency, double latency_ms, double lens,
+                      uint32_t *count) {
     double sum[CAMERA_LATENCY_IDS][3] = {{0.0}};
     uint32_t seen[CAMERA_LATENCY_IDS] = {0};
     *count = 0;
@@ -82,8 +93,9 @@ static double scatter(const struct camera_latency *latency, double latency_ms, u
             continue;
         }
         const struct camera_view view = camera_view_at(&latency->mount, &latency->seat, &pose);
-        double world[3];
-        camera_view_to_world(&view, sight->ray, world);
+        double ray[3], world[3];
+        through_lens(sight->ray, lens, ray);
+        camera_view_to_world(&view, ray, world);
         for (unsigned axis = 0; axis < 3U; axis++) {
             sum[sight->thing][axis] += world[axis];
         }
@@ -118,11 +130,11 @@ static double vertex(double before, double at, double after) {
 
 /// The least on a grid of whole steps around a middle.
 static double least_around(const struct camera_latency *latency, double middle_ms, int steps,
-                           double step_ms, uint32_t few) {
+                           double step_ms, double lens, uint32_t few) {
     double least = INFINITY, least_ms = middle_ms;
     for (int i = -steps; i <= steps; i++) {
         uint32_t count;
-        const double at_ms = middle_ms + i * step_ms, value = scatter(latency, at_ms, &count);
+        const double at_ms = middle_ms + i * step_ms, value = scatter(latency, at_ms, lens, &count);
         if (count >= few && value < least) {
             least = value;
             least_ms = at_ms;
@@ -131,8 +143,34 @@ static double least_around(const struct camera_latency *latency, double middle_m
     return least_ms;
 }
 
-const char *camera_latency_fit(const struct camera_latency *latency, double *latency_ms,
-                               double *rms_deg) {
+/// The lens that scatters least: by golden section, since the scatter has one valley in 1 / lens.
+static double best_lens(const struct camera_latency *latency, double latency_ms) {
+    const double section = 0.6180339887498949;
+    double low = 1.0 / CAMERA_LATENCY_LENS_MAX, high = 1.0 / CAMERA_LATENCY_LENS_MIN;
+    uint32_t count;
+    double left = high - section * (high - low), right = low + section * (high - low);
+    double at_left = scatter(latency, latency_ms, 1.0 / left, &count);
+    double at_right = scatter(latency, latency_ms, 1.0 / right, &count);
+    for (int i = 0; i < LENS_STEPS; i++) {
+        if (at_left < at_right) {
+            high = right;
+            right = left;
+            at_right = at_left;
+            left = high - section * (high - low);
+            at_left = scatter(latency, latency_ms, 1.0 / left, &count);
+        } else {
+            low = left;
+            left = right;
+            at_left = at_right;
+            right = low + section * (high - low);
+            at_right = scatter(latency, latency_ms, 1.0 / right, &count);
+        }
+    }
+    return 2.0 / (low + high);
+}
+
+const char *camera_latency_fit(const struct camera_latency *latency,
+                               struct camera_latency_found *found) {
     if (latency->sight_count < SIGHTS_MIN || latency->pose_count < SIGHTS_MIN) {
         return "the camera saw nothing for long enough";
     }
@@ -142,19 +180,24 @@ const char *camera_latency_fit(const struct camera_latency *latency, double *lat
     const uint32_t few = latency->sight_count / 2U;
     const double middle_ms = 0.5 * (CAMERA_LATENCY_MS_MAX + CAMERA_LATENCY_MS_MIN);
     const int steps = (CAMERA_LATENCY_MS_MAX - CAMERA_LATENCY_MS_MIN) / (2 * GRID_MS);
-    const double coarse_ms = least_around(latency, middle_ms, steps, GRID_MS, few);
-    const double fine_ms = least_around(latency, coarse_ms, GRID_MS, 1.0, few);
+    const double coarse_ms = least_around(latency, middle_ms, steps, GRID_MS, 1.0, few);
+    const double near_lens = best_lens(latency, coarse_ms);
+    const double fine_ms = least_around(latency, coarse_ms, GRID_MS, 1.0, near_lens, few);
+    const double lens = best_lens(latency, fine_ms);
     uint32_t count;
-    const double before = scatter(latency, fine_ms - 1.0, &count);
-    const double after = scatter(latency, fine_ms + 1.0, &count);
-    const double least = scatter(latency, fine_ms, &count);
-    const double aside = fmin(scatter(latency, fine_ms - 2.0 * GRID_MS, &count),
-                              scatter(latency, fine_ms + 2.0 * GRID_MS, &count));
+    const double before = scatter(latency, fine_ms - 1.0, lens, &count);
+    const double after = scatter(latency, fine_ms + 1.0, lens, &count);
+    const double least = scatter(latency, fine_ms, lens, &count);
+    const double aside = fmin(scatter(latency, fine_ms - 2.0 * GRID_MS, lens, &count),
+                              scatter(latency, fine_ms + 2.0 * GRID_MS, lens, &count));
     if (coarse_ms <= CAMERA_LATENCY_MS_MIN || coarse_ms >= CAMERA_LATENCY_MS_MAX ||
+        lens < 1.01 * CAMERA_LATENCY_LENS_MIN || lens > 0.99 * CAMERA_LATENCY_LENS_MAX ||
         aside < SHARP * SHARP * least) {
         return "what the camera saw does not stand still, or the gimbal turned too slowly";
     }
-    *latency_ms = fine_ms + vertex(before, least, after);
-    *rms_deg = sqrt(fmax(least, 0.0)) * (180.0 / 3.14159265358979323846);
+    *found = (struct camera_latency_found){.latency_ms = fine_ms + vertex(before, least, after),
+                                           .lens = lens,
+                                           .rms_deg = sqrt(fmax(least, 0.0)) *
+                                                      (180.0 / 3.14159265358979323846)};
     return NULL;
 }

@@ -14,10 +14,11 @@
 #include <time.h>
 
 enum { CHANGES_MAX = 16 };
+#define LENS_TOLD 0.02 ///< so much longer or shorter than in the file
 
 struct settings {
     const char *sightings;
-    bool keep_limits, camera, dry_run, json;
+    bool keep_limits, camera, lens, dry_run, json;
 };
 
 static const struct option options[] = {
@@ -25,8 +26,10 @@ static const struct option options[] = {
      offsetof(struct settings, sightings), NULL},
     {"--keep-limits", NULL, "don't look for the ends of the axes", option_flag,
      offsetof(struct settings, keep_limits), NULL},
-    {"--camera", NULL, "measure nothing but the camera's latency", option_flag,
+    {"--camera", NULL, "measure nothing but the camera's latency and focal length", option_flag,
      offsetof(struct settings, camera), NULL},
+    {"--lens", NULL, "write that focal length, too", option_flag, offsetof(struct settings, lens),
+     NULL},
     {"--dry-run", NULL, "print what was found, and leave the rig file as it is", option_flag,
      offsetof(struct settings, dry_run), NULL},
     OPTION_JSON(struct settings),
@@ -156,10 +159,33 @@ static void change_axis(struct changes *changes, const char *name,
 static void print_camera(struct facts *facts, const struct calibrate_camera *camera) {
     if (camera->measured) {
         facts_fixed(facts, "camera_latency_ms", camera->latency_ms, 2);
+        facts_fixed(facts, "camera_fx_px", camera->fx_px, 2);
         facts_fixed(facts, "camera_rms_deg", camera->rms_deg, 4);
         facts_u64(facts, "camera_sights", camera->sights);
     } else if (camera->why_not != NULL) {
         facts_null(facts, "camera_latency_ms", camera->why_not);
+    }
+}
+
+/// A good chessboard knows better than a gimbal whose camera sits before its axes, so the lens is
+/// only written where that is asked for.
+static void change_camera(struct changes *changes, const struct calibrate_camera *camera,
+                          const struct settings *settings, const char *command) {
+    change_number(changes, "camera", "latency_ms", camera->latency_ms, 1);
+    note(changes, "%u sightings, %.3f degrees rms apart", camera->sights, camera->rms_deg);
+    const double lens = camera->fx_px / camera->given_fx_px;
+    if (settings->lens) {
+        change_number(changes, "camera", "fx_px", camera->fx_px, 1);
+        note(changes, "%u sightings, %.3f degrees rms apart", camera->sights, camera->rms_deg);
+        if (camera->given_fy_px != camera->given_fx_px) {
+            change_number(changes, "camera", "fy_px", lens * camera->given_fy_px, 1);
+        }
+    } else if (fabs(lens - 1.0) > LENS_TOLD) {
+        message_command(
+            command,
+            "by how far things move in the picture the lens has fx_px = %.1f, not %.1f; "
+            "--lens writes it",
+            camera->fx_px, camera->given_fx_px);
     }
 }
 
@@ -188,9 +214,7 @@ static enum exit_status calibrate_motion(const struct command *command,
         }
         print_camera(&facts, &calibrate->camera);
         if (calibrate->camera.measured) {
-            change_number(&changes, "camera", "latency_ms", calibrate->camera.latency_ms, 1);
-            note(&changes, "%u sightings, %.3f degrees rms apart", calibrate->camera.sights,
-                 calibrate->camera.rms_deg);
+            change_camera(&changes, &calibrate->camera, settings, command->name);
         } else if (calibrate->camera.why_not != NULL) {
             message_command(command->name, "no latency of the camera: %s",
                             calibrate->camera.why_not);
@@ -372,7 +396,8 @@ const struct command command_calibrate = {
         "measured. The emergency stop and SIGINT end it, and nothing is written.\n\n"
         "With device = ... in [camera]: pan swings by up to 8 degrees to either side while the\n"
         "camera looks at something that stands still (a tag, a lamp), and latency_ms of [camera]\n"
-        "becomes what lets it stand still; of hobby servos with what they are late by.\n\n"
+        "becomes what lets it stand still; of hobby servos with what they are late by. How far it\n"
+        "moves in the picture tells the focal length, camera_fx_px; --lens writes that.\n\n"
         "With --sightings nothing moves: each line of FILE is `PAN_DEG TILT_DEG X Y Z`, what the\n"
         "axes read (`boresight run` prints it) while the camera looked exactly at the point X Y "
         "Z.\n"

@@ -98,6 +98,14 @@ for late in 5 20 35 60; do
         near "$(sed -n 's/^latency_ms = \([0-9.]*\) # measured .* sightings, 0.0.* degrees rms apart$/\1/p' "$dir/rig.ini")" "$late" 0.8 0.2 && ! grep -q 'pan_' "$dir/out"
     verdict "and is written back ($late)" $?
 done
+# The lens, too, which is that of the file; a line about it only where it is another one, and it is written where asked for.
+fx=$("$boresight" config check "$dir/rig.ini" | awk '$1 == "fx_px" { print $3 }')
+[ "$fx" = 0 ] && fx=$("$boresight" config check "$dir/rig.ini" | awk '$1 == "focal_mm" { f = $3 } $1 == "sensor_width_mm" { s = $3 } $1 == "width_px" { w = $3 } END { print f / s * w }')
+run calibrate "$dir/rig.ini" --camera --lens --json </dev/null
+[ "$status" -eq 0 ] && within "$(value camera_fx_px)" "$(awk -v f="$fx" 'BEGIN { print f * 0.997 }')" "$(awk -v f="$fx" 'BEGIN { print f * 1.003 }')" && ! grep -q 'fx_px =' "$dir/err" &&
+    grep -q "^fx_px = $(value camera_fx_px | cut -c1-4)[0-9.]* # measured .* sightings, 0.0.* degrees rms apart\$" "$dir/rig.ini"
+verdict 'the lens, by how far things move' $?
+echo "MEASURED focal length of a lens of $fx px: $(value camera_fx_px)"
 run calibrate "$dir/rig.ini" --keep-limits --json </dev/null # beside the axes; what is in the file already does not matter
 [ "$status" -eq 0 ] && near "$(value camera_latency_ms)" 60 0.8 0.2 && within "$(value pan_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms' "$dir/rig.ini")" -eq 3 ]
 verdict 'axes and camera together' $?
