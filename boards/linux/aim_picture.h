@@ -1,5 +1,6 @@
 /// What `boresight aim` does beyond the cone: the image of points and segments, aiming by the
 /// corners of a box, framing a rectangle.
+/// Shown: tests/cli/aim.sh, tests/cli/picture.sh.
 #ifndef LINUX_AIM_PICTURE_H
 #define LINUX_AIM_PICTURE_H
 

@@ -2,6 +2,7 @@
 /// bits.
 ///
 /// Only the rare line of a points file comes here, so the plain methods will do.
+/// Shown: tests/cli/decimals.c.
 #ifndef LINUX_BIG_H
 #define LINUX_BIG_H
 

@@ -1,4 +1,5 @@
 /// The box round points as written: exact decimals.
+/// Shown: tests/cli/picture.sh.
 #ifndef LINUX_BOUNDS_H
 #define LINUX_BOUNDS_H
 

@@ -1,4 +1,5 @@
 /// The commands of the program: a table that main, `help` and the tests read.
+/// Shown: tests/cli/usage.sh.
 #ifndef LINUX_COMMAND_H
 #define LINUX_COMMAND_H
 

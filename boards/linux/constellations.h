@@ -1,4 +1,5 @@
 /// Names of the constellations, for people: catalogues have three letters.
+/// Shown: tests/cli/stars.c.
 #ifndef LINUX_CONSTELLATIONS_H
 #define LINUX_CONSTELLATIONS_H
 

@@ -1,4 +1,5 @@
 /// Files of comma-separated columns with a header line, without quotes.
+/// Shown: tests/cli/stars.c.
 #ifndef LINUX_CSV_H
 #define LINUX_CSV_H
 

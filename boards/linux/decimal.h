@@ -2,6 +2,7 @@
 ///
 /// Grammar: [+-] digits [. digits] [(e|E) [+-] digits], with a digit on at least one side of the
 /// point. No hexadecimal, no `nan`, no `inf`, no blanks or digit separators.
+/// Shown: tests/cli/decimals.c.
 #ifndef LINUX_DECIMAL_H
 #define LINUX_DECIMAL_H
 

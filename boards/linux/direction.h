@@ -6,6 +6,7 @@
 /// int32, so that coplanar and antipodal points stay so. Longer ones are scaled by a power of two
 /// until the largest has 31 bits, and rounded half away from zero: opposite directions stay
 /// opposite, equal ones equal.
+/// Shown: tests/cli/decimals.c.
 #ifndef LINUX_DIRECTION_H
 #define LINUX_DIRECTION_H
 

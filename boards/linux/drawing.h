@@ -1,4 +1,5 @@
 /// A picture of lines, dots and texts, written as SVG or PNG.
+/// Shown: tests/cli/render.sh, tests/cli/plan.sh.
 #ifndef LINUX_DRAWING_H
 #define LINUX_DRAWING_H
 

@@ -3,6 +3,7 @@
 /// The emulator is another program, boresight-mcu, because it links a library under the GPL.
 /// `boresight` runs that in its place, from its own folder and with the same arguments. It is the
 /// same program again, but for the emulator that it brings along (host-sim/mcu/program.c).
+/// Shown: tests/mcu/cpu/sim.sh.
 #ifndef LINUX_EMULATOR_H
 #define LINUX_EMULATOR_H
 

@@ -2,6 +2,7 @@
 ///
 /// As text, each fact is a line `name   value`, in the order of the calls; with JSON, a member of
 /// the object. Nothing is written before the command knows all of its results.
+/// Shown: tests/cli/json.c.
 #ifndef LINUX_FACTS_H
 #define LINUX_FACTS_H
 

@@ -3,6 +3,7 @@
 /// `[section]`, `[section NAME]`, `key = value`. A line that starts with # or ; is a comment, and
 /// so is what follows a # or ; behind a blank. Blanks around names and values don't count; a value
 /// is the rest of its line, without quotes. Lines: see lines.h.
+/// Shown: tests/cli/ini.c.
 #ifndef LINUX_INI_H
 #define LINUX_INI_H
 

@@ -17,6 +17,7 @@
 ///         has_zoom),
 ///          .keys = axis_keys, .key_count = 2, .offset = offsetof(struct rig, zoom),
 ///          .help = "the zoom lens"}};
+/// Shown: tests/cli/ini.c.
 #ifndef LINUX_INI_SCHEMA_H
 #define LINUX_INI_SCHEMA_H
 

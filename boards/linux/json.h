@@ -1,4 +1,5 @@
 /// Writes JSON. The caller opens and closes what it nests; commas and quoting are done here.
+/// Shown: tests/cli/json.c.
 #ifndef LINUX_JSON_H
 #define LINUX_JSON_H
 

@@ -3,6 +3,7 @@
 ///
 /// Lines end with LF or CR LF; the last one may lack its end. A UTF-8 byte order mark at the start
 /// is skipped.
+/// Shown: tests/cli/points.c.
 #ifndef LINUX_LINES_H
 #define LINUX_LINES_H
 

@@ -1,4 +1,5 @@
 /// Makes a folder and those above it.
+/// Shown: tests/cli/drive.sh.
 #ifndef LINUX_MAKE_FOLDER_H
 #define LINUX_MAKE_FOLDER_H
 

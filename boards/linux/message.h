@@ -1,4 +1,5 @@
 /// What the program says to a person: one clear line each, on stderr.
+/// Shown: tests/scenario/test_aside.c, tests/cli/run_aside.sh.
 #ifndef LINUX_MESSAGE_H
 #define LINUX_MESSAGE_H
 

@@ -1,5 +1,6 @@
 /// What hides targets, in files: the section [occlusion] of rig files and scenarios, and the solids
 /// of a scene.
+/// Shown: tests/cli/hidden.sh, tests/cli/obstacle.sh.
 #ifndef LINUX_OCCLUSION_FILE_H
 #define LINUX_OCCLUSION_FILE_H
 

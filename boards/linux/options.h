@@ -2,6 +2,7 @@
 ///
 /// `--name VALUE` or `--name=VALUE`, before or after the operands; `--` ends the options, and a
 /// lone `-` is an operand. Of an option given twice the last counts.
+/// Shown: tests/cli/usage.sh.
 #ifndef LINUX_OPTIONS_H
 #define LINUX_OPTIONS_H
 

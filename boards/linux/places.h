@@ -1,4 +1,5 @@
 /// Points in space as integers in a common unit.
+/// Shown: tests/cli/solid.sh.
 #ifndef LINUX_PLACES_H
 #define LINUX_PLACES_H
 

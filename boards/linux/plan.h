@@ -3,6 +3,7 @@
 ///
 /// Targets, mounts and what stands between them are places in one grid of integers, on which every
 /// decision is exact. Angles and pixels are measured in doubles.
+/// Shown: tests/cli/plan.c, tests/cli/plan.sh.
 #ifndef LINUX_PLAN_H
 #define LINUX_PLAN_H
 

@@ -1,4 +1,5 @@
 /// The results of `boresight plan`, as text or JSON.
+/// Shown: tests/cli/plan.sh.
 #ifndef LINUX_PLAN_REPORT_H
 #define LINUX_PLAN_REPORT_H
 

@@ -1,4 +1,5 @@
 /// What stands between mounts and targets: the solids and faces of a scene, in the plan's grid.
+/// Shown: tests/cli/plan.sh.
 #ifndef LINUX_PLAN_SCENE_H
 #define LINUX_PLAN_SCENE_H
 

@@ -1,4 +1,5 @@
 /// The options of every command that reads points.
+/// Shown: tests/cli/input.sh.
 #ifndef LINUX_POINT_OPTIONS_H
 #define LINUX_POINT_OPTIONS_H
 

@@ -1,4 +1,5 @@
 /// Ticks in time: real-time priority, and memory that is never paged out.
+/// Shown: tests/cli/drives.sh.
 #ifndef LINUX_REALTIME_H
 #define LINUX_REALTIME_H
 

@@ -1,4 +1,5 @@
 /// Reads what `boresight regular` works on: whole numbers, so that every answer can be checked.
+/// Shown: tests/cli/regular.sh.
 #ifndef LINUX_REGULAR_FILE_H
 #define LINUX_REGULAR_FILE_H
 

@@ -1,4 +1,5 @@
 /// `boresight sim --replay FILE`: a recording in this build's controller.
+/// Shown: tests/mcu/cpu/same_bits.sh, tests/scenario/test_recording.c.
 #ifndef LINUX_REPLAY_H
 #define LINUX_REPLAY_H
 

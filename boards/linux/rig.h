@@ -1,5 +1,6 @@
 /// Rig files: how the mount stands, what drives its axes, which limits hold. `boresight config
 /// check` explains one.
+/// Shown: tests/cli/drive.sh, tests/cli/camera.sh, tests/cli/step.sh.
 #ifndef LINUX_RIG_H
 #define LINUX_RIG_H
 

@@ -1,4 +1,5 @@
 /// A rig as C: how a rig file gets into the image of a microcontroller board.
+/// Shown: tests/cli/rig_c.sh.
 #ifndef LINUX_RIG_C_H
 #define LINUX_RIG_C_H
 

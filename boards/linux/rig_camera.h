@@ -1,4 +1,5 @@
 /// The section [camera] of a rig file: its keys, and the camera model that follows from them.
+/// Shown: tests/cli/camera.sh.
 #ifndef LINUX_RIG_CAMERA_H
 #define LINUX_RIG_CAMERA_H
 

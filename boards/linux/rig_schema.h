@@ -1,4 +1,5 @@
 /// The tables behind rig.h: what a rig file may hold, and where it is stored. For rig.c only.
+/// Shown: tests/cli/drive.sh.
 #ifndef LINUX_RIG_SCHEMA_H
 #define LINUX_RIG_SCHEMA_H
 

@@ -1,4 +1,5 @@
 /// `boresight run` with `board = serial:DEVICE`: the rig's controller is a flashed board.
+/// Shown: tests/cli/board.sh, tests/vm/guest/board.sh.
 #ifndef LINUX_RUN_BOARD_H
 #define LINUX_RUN_BOARD_H
 

@@ -1,5 +1,6 @@
 /// What `boresight run` does: ticks by the clock, with the devices of a rig or, where the rig names
 /// fakes only, with those of the simulator.
+/// Shown: tests/cli/drive.sh, tests/cli/drives.sh, tests/vm/guest/run.sh.
 #ifndef LINUX_RUNNER_H
 #define LINUX_RUNNER_H
 

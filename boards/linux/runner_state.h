@@ -1,5 +1,6 @@
 /// What a running rig is doing at a moment, as facts: for the lines of `run --state` and the
 /// summary.
+/// Shown: tests/cli/camera_run.sh, tests/vm/guest/rig.sh.
 #ifndef LINUX_RUNNER_STATE_H
 #define LINUX_RUNNER_STATE_H
 

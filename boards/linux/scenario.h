@@ -1,4 +1,5 @@
 /// Scenario files: which rig, which targets, how long. What `boresight sim` runs.
+/// Shown: tests/cli/drive.sh.
 #ifndef LINUX_SCENARIO_H
 #define LINUX_SCENARIO_H
 

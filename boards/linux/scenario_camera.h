@@ -1,5 +1,6 @@
 /// The section [camera] of a scenario: the controller hears of the targets only through the rig's
 /// camera, as on a rig. The simulator renders what it sees, and the detectors look.
+/// Shown: tests/cli/camera_loop.sh.
 #ifndef LINUX_SCENARIO_CAMERA_H
 #define LINUX_SCENARIO_CAMERA_H
 

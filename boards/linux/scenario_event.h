@@ -1,4 +1,5 @@
 /// The [event] sections of a scenario: commands at a time. For scenario.c only.
+/// Shown: tests/cli/drive.sh, tests/scenario/test_sim.c.
 #ifndef LINUX_SCENARIO_EVENT_H
 #define LINUX_SCENARIO_EVENT_H
 

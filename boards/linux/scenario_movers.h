@@ -1,4 +1,5 @@
 /// The sections [mover NAME] of a scenario: targets that move.
+/// Shown: tests/cli/obstacle.sh, tests/scenario/test_obstacle.c.
 #ifndef LINUX_SCENARIO_MOVERS_H
 #define LINUX_SCENARIO_MOVERS_H
 

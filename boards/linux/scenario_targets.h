@@ -1,4 +1,5 @@
 /// Files of targets that a scenario can name. For scenario.c only.
+/// Shown: tests/cli/drive.sh, tests/scenario/test_pedestrians.c.
 #ifndef LINUX_SCENARIO_TARGETS_H
 #define LINUX_SCENARIO_TARGETS_H
 

@@ -1,5 +1,6 @@
 /// The obstacles of a scenario: a scene file, boxes that move, the camera's own flight. For
 /// scenario.c only.
+/// Shown: tests/cli/obstacle.sh.
 #ifndef LINUX_SCENARIO_WORLD_H
 #define LINUX_SCENARIO_WORLD_H
 

@@ -3,6 +3,7 @@
 /// A change a line, in order: `away NAME` takes an object away, `back NAME` puts it back, `move X Y
 /// Z NAME` takes it to its place moved by that (from its place in the file, each time), `copy X Y Z
 /// NAME` puts one more of it there, `point X Y Z` adds a point. `#` begins a comment.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_CHANGES_H
 #define LINUX_SCENE_CHANGES_H
 

@@ -1,4 +1,5 @@
 /// Where to cut a set of points in two.
+/// Shown: tests/cli/scene.sh, tests/property/scene_tree.c.
 #ifndef LINUX_SCENE_CLUSTER_H
 #define LINUX_SCENE_CLUSTER_H
 

@@ -1,4 +1,5 @@
 /// The parts of `boresight scene` that share its options.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_COMMAND_H
 #define LINUX_SCENE_COMMAND_H
 

@@ -1,5 +1,6 @@
 /// What of a scene is drawn from a view: its shapes as firmware/scene/shape.h has them, its points,
 /// and the memory of the methods.
+/// Shown: tests/cli/render.sh.
 #ifndef LINUX_SCENE_DRAWN_H
 #define LINUX_SCENE_DRAWN_H
 

@@ -1,4 +1,5 @@
 /// A sphere tree in a file, mapped and checked.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_FILE_H
 #define LINUX_SCENE_FILE_H
 

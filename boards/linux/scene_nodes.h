@@ -1,5 +1,6 @@
 /// A tree of spheres between scene_build.c, which grows it, and scene_block.c, which writes it
 /// down.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_NODES_H
 #define LINUX_SCENE_NODES_H
 

@@ -1,4 +1,5 @@
 /// `boresight scene render`: a picture of a scene without its hidden lines.
+/// Shown: tests/cli/render.sh.
 #ifndef LINUX_SCENE_RENDER_H
 #define LINUX_SCENE_RENDER_H
 

@@ -1,5 +1,6 @@
 /// What the faces and lines of a scene's objects are: solids, faces or lines; and whether they are
 /// what they have to be.
+/// Shown: tests/cli/render.sh.
 #ifndef LINUX_SCENE_SHAPE_H
 #define LINUX_SCENE_SHAPE_H
 

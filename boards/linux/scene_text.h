@@ -9,6 +9,7 @@
 ///
 /// Faces that close up (each edge is in two faces, once in each direction) are a solid, which has
 /// to be convex; other faces stand for themselves.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_TEXT_H
 #define LINUX_SCENE_TEXT_H
 

@@ -1,4 +1,5 @@
 /// From a scene as text to a tree in memory, with all that can be wrong with it told.
+/// Shown: tests/cli/scene.sh.
 #ifndef LINUX_SCENE_TREE_H
 #define LINUX_SCENE_TREE_H
 

@@ -4,6 +4,7 @@
 ///
 /// The truth, which nobody else knows, is told by lines of state: where the axes really are and how
 /// far the camera looks past the optimal axis of the targets as they really are.
+/// Shown: tests/vm/guest/run.sh, tests/vm/guest/loop.sh.
 #ifndef LINUX_SERVE_H
 #define LINUX_SERVE_H
 

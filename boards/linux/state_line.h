@@ -1,4 +1,5 @@
 /// A line of state on stdout, now and then, which never waits for its reader: `--state`.
+/// Shown: tests/cli/camera_run.sh.
 #ifndef LINUX_STATE_LINE_H
 #define LINUX_STATE_LINE_H
 

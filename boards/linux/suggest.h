@@ -1,4 +1,5 @@
 /// "Did you mean": the known name nearest to a mistyped one.
+/// Shown: tests/cli/ini.c, tests/cli/usage.sh.
 #ifndef LINUX_SUGGEST_H
 #define LINUX_SUGGEST_H
 

@@ -1,5 +1,6 @@
 /// A line of a target stream: one JSON object, `{"t_us": 0, "id": 7, "object": "stage", "xyz":
 /// [x,y,z]}` or with "dir", optional "weight" and "radius"; `{"id": 7, "gone": true}`.
+/// Shown: tests/cli/drive.sh.
 #ifndef LINUX_TARGET_LINE_H
 #define LINUX_TARGET_LINE_H
 

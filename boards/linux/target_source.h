@@ -2,6 +2,7 @@
 ///
 /// A line's t_us is the sender's clock. From a regular file (a recording) each line is due that
 /// long after the first; from a pipe a line is due when it arrives.
+/// Shown: tests/cli/drive.sh.
 #ifndef LINUX_TARGET_SOURCE_H
 #define LINUX_TARGET_SOURCE_H
 

@@ -1,4 +1,5 @@
 /// Well-formed UTF-8, one character at a time.
+/// Shown: tests/cli/json.c.
 #ifndef LINUX_UTF8_H
 #define LINUX_UTF8_H
 

@@ -16,8 +16,8 @@ awk -f tests/gate/check/lengths.awk $(printf '%s\n' $files | grep -v '^tests/vec
 verdict 'length of files, functions and lines' $?
 awk -f tests/gate/check/headers.awk firmware/sphere/*.h firmware/aim/*.h
 verdict 'the functions of sphere/ and aim/ state cost, accuracy and source' $?
-sh tests/gate/check/shown.sh $(git ls-files --cached --others --exclude-standard 'hal/*.h' 'boards/linux/detect/*.h')
-verdict 'the headers of hal/ and of the detectors name their tests' $?
+sh tests/gate/check/shown.sh $(git ls-files --cached --others --exclude-standard 'hal/*.h' 'boards/linux/*.h')
+verdict 'the headers of hal/ and of the program name their tests' $?
 sh tests/gate/check/names.sh $(git ls-files --cached --others --exclude-standard '*.md' '*.h' '*.c' | grep -v '^tests/vectors/')
 verdict 'the files that comments and pages name exist' $?
 sh tests/gate/check/named-tests.sh tests/README.md
