@@ -18,6 +18,14 @@ void board_targets_init(struct board_targets *targets, struct vec3_i64 viewpoint
     targets->viewpoint_um = viewpoint_um;
 }
 
+void board_targets_renew(struct board_targets *targets, uint64_t now_us) {
+    for (uint32_t i = 0; i < TARGET_CAPACITY; i++) {
+        targets->target[i].news = targets->target[i].used;
+    }
+    targets->has_news = targets->count > 0U;
+    targets->first_news_us = targets->last_news_us = now_us;
+}
+
 bool board_targets_take(struct board_targets *targets, const struct target_update *update,
                         uint64_t now_us) {
     struct board_target *free_place = NULL, *place = NULL;

@@ -36,6 +36,9 @@ struct board_targets {
 /// viewpoint_um: where the axes of the mount meet.
 void board_targets_init(struct board_targets *targets, struct vec3_i64 viewpoint_um);
 
+/// The board has forgotten them: all are news again.
+void board_targets_renew(struct board_targets *targets, uint64_t now_us);
+
 /// Takes an update of a stream. False: there are TARGET_CAPACITY others.
 bool board_targets_take(struct board_targets *targets, const struct target_update *update,
                         uint64_t now_us);

@@ -4,7 +4,6 @@
 #include "runner.h"
 #include "runner_state.h"
 
-#include <signal.h>
 #include <stdlib.h>
 
 extern const char build_id[];
@@ -96,24 +95,9 @@ static void print_summary(const struct settings *settings, struct runner *runner
 
 // ---------------------------------------------------------------- who controls the rig
 
-static volatile sig_atomic_t interrupted;
-
-static void interrupt(int number) {
-    (void)number;
-    interrupted = 1;
-}
-
 /// A flashed board does.
 static enum exit_status drive_board(const struct command *command, const struct settings *settings,
-                                    const struct rig *rig, uint64_t limit_us) {
-    const struct sigaction action = {.sa_handler = interrupt};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    (void)signal(SIGPIPE, SIG_IGN);
-    if (settings->stay || settings->log != NULL || settings->state != NULL) {
-        message_command(command->name, "--stay, --log and --state are not for a rig with a board");
-        return EXIT_STATUS_USAGE;
-    }
+                                    const struct rig *rig, uint64_t limit_us, uint64_t state_us) {
     struct target_source *source = calloc(1, sizeof *source);
     if (source == NULL) {
         message_command(command->name, "no memory");
@@ -123,11 +107,13 @@ static enum exit_status drive_board(const struct command *command, const struct 
     if (settings->targets == NULL || target_source_open(source, settings->targets)) {
         const struct run_board_options board = {
             .source = settings->targets != NULL ? source : NULL,
-            .limit_us = limit_us,
             .scene = settings->scene != NULL ? settings->scene : rig->scene,
+            .limit_us = limit_us,
+            .state_us = state_us,
+            .log = settings->log,
             .arm = rig->controller.arm_on_start || settings->arm,
             .json = settings->json,
-            .interrupted = &interrupted};
+            .stay = settings->stay};
         status = run_board(command, rig, &board);
         target_source_close(source);
     }
@@ -180,7 +166,7 @@ static enum exit_status run_command(const struct command *command, int argc, cha
     if (status == EXIT_STATUS_OK) {
         const uint64_t limit_us = (uint64_t)(seconds * 1e6), state_us = (uint64_t)(state_s * 1e6);
         status = rig.board_device != NULL
-                     ? drive_board(command, &settings, &rig, limit_us)
+                     ? drive_board(command, &settings, &rig, limit_us, state_us)
                      : drive_devices(command, &settings, file, limit_us, state_us);
     }
     rig_free(&rig);

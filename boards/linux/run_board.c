@@ -1,80 +1,98 @@
-#include "run_board.h"
+#include "run_board_private.h"
 
-#include "board_link.h"
-#include "board_targets.h"
 #include "capacity.h"
-#include "facts.h"
-#include "occlusion_file.h"
-#include "sim.h"
 
 #include "app/program_link.h"
 #include "app/settings_digest.h"
-#include "linux/linux_serial.h"
 
+#include <errno.h>
 #include <inttypes.h>
-#include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 extern const char build_id[];
 
-#define ANSWER_US  3000000U
-#define REST_LINES 4U ///< so many lines of status without motion: it stands still
+#define TICK_US       1000U
+#define ANSWER_US     3000000U
+#define LOOK_EVERY_US 500000U
+#define REST_LINES    4U ///< so many lines of status without motion: it stands still
 
-struct board_run {
-    const struct command *command;
-    const struct rig *rig;
-    const struct run_board_options *options;
-    struct linux_serial serial;
-    struct board_link link;
-    struct board_targets targets;
-    struct occlusion_rig *hiding; ///< NULL: nothing hides targets, as far as we know
-    uint64_t start_us;
-    uint32_t seen_lines; ///< of status
-    enum controller_mode told_mode;
-    bool told, arm_sent, armed, stopping;
-    const char *ended_by; ///< why the board stopped by itself
-    int32_t rest_mdeg[2];
-    uint32_t rest_lines;
-    uint64_t targets_refused;
-    bool settled;
-    int32_t goal_mdeg[2];
-    double error_sum;
-    uint64_t error_count;
-};
+// ---------------------------------------------------------------- what is said
 
-static uint64_t clock_us(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000U + (uint64_t)now.tv_nsec / 1000U;
+static void tell(struct board_run *run, bool severe, const char *event, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+static void tell(struct board_run *run, bool severe, const char *event, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    run_log_tell(&run->log, run->command->name, severe, event, text);
 }
 
-/// A millisecond passes, and the line is served.
+/// Why the board is not there, once.
+static enum exit_status complain_of(struct board_run *run, const char *line) {
+    const bool first = run->refusal[0] == '\0';
+    if (strcmp(line, run->refusal) != 0) {
+        snprintf(run->refusal, sizeof run->refusal, "%s", line);
+        run_log_tell_at(&run->log, run->rig->ini.file, "device", line);
+        if (first && run->options->stay) {
+            tell(run, false, "device", "waiting until it is there");
+        }
+    }
+    return EXIT_STATUS_DEVICE;
+}
+
+static enum exit_status complain(struct board_run *run, const char *what, const char *remedy) {
+    char line[LINUX_ERROR_BYTES];
+    snprintf(line, sizeof line, "board = serial:%s: %s; %s", run->rig->board_device, what, remedy);
+    return complain_of(run, line);
+}
+
+static enum exit_status complain_of_device(struct board_run *run) {
+    char line[LINUX_ERROR_BYTES];
+    snprintf(line, sizeof line, "board = serial:%.*s", (int)sizeof line - 20,
+             run->serial.error.line);
+    return complain_of(run, line);
+}
+
+// ---------------------------------------------------------------- time
+
+/// The next millisecond, and the signals until then.
+static uint64_t pass(struct board_run *run) {
+    uint32_t raised = 0;
+    (void)event_loop_tick(&run->loop, &raised);
+    run->interrupted = run->interrupted || (raised & EVENT_LOOP_END) != 0U;
+    if ((raised & EVENT_LOOP_REARM) != 0U && run->is_there && !run->stopping) {
+        run_log_event(&run->log, false, "rearm", "by SIGUSR1");
+        run->arm_due = true;
+    }
+    if ((raised & EVENT_LOOP_RELOAD) != 0U) {
+        tell(run, false, "reload",
+             "SIGHUP changes nothing: what the rig file says is in the board's flash");
+    }
+    const uint64_t now_us = event_loop_now_us();
+    run_board_state(run, now_us);
+    return now_us;
+}
+
+/// The same, and the line is served.
 static uint64_t serve(struct board_run *run) {
-    const struct timespec pause = {0, 1000000};
-    (void)clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, NULL);
-    const uint64_t now_us = clock_us();
+    const uint64_t now_us = pass(run);
     board_link_poll(&run->link, now_us);
     return now_us;
 }
 
-static enum exit_status complain(const struct board_run *run, const char *what,
-                                 const char *remedy) {
-    message_at(run->rig->ini.file, 0, "board = serial:%s: %s; %s", run->rig->board_device, what,
-               remedy);
-    return EXIT_STATUS_DEVICE;
-}
-
-static enum exit_status complain_of_device(const struct board_run *run) {
-    message_at(run->rig->ini.file, 0, "board = serial:%s", run->serial.error.line);
-    return EXIT_STATUS_DEVICE;
+static bool is_over(const struct board_run *run, uint64_t now_us) {
+    const uint64_t limit_us = run->options->limit_us;
+    return run->interrupted || (limit_us != 0U && now_us - run->start_us >= limit_us);
 }
 
 // ---------------------------------------------------------------- who is there
 
-static enum exit_status check_identity(const struct board_run *run) {
+static enum exit_status check_identity(struct board_run *run) {
     const struct board_link_identity *identity = &run->link.identity;
     char what[200];
     if (identity->version != PROGRAM_LINK_VERSION) {
@@ -95,16 +113,20 @@ static enum exit_status check_identity(const struct board_run *run) {
 }
 
 static enum exit_status say_hello(struct board_run *run) {
-    const uint64_t until_us = clock_us() + ANSWER_US;
+    const uint64_t until_us = event_loop_now_us() + ANSWER_US;
     board_link_hello(&run->link);
     while (!run->link.identity.known && !run->link.identity.busy && !run->link.gone &&
-           serve(run) < until_us && *run->options->interrupted == 0) {
+           serve(run) < until_us && !run->interrupted) {
     }
     if (run->link.identity.known) {
         return check_identity(run);
     }
     if (run->link.gone) {
         return complain_of_device(run);
+    }
+    if (run->interrupted) {
+        tell(run, false, "end", "interrupted before the board answered");
+        return EXIT_STATUS_DEVICE;
     }
     if (run->link.identity.busy) {
         return complain(run, "another program has the board", "end that one first");
@@ -127,30 +149,8 @@ static void tell_mode(struct board_run *run) {
     run->told = true;
     run->told_mode = status->mode;
     const char *why = status->faults != 0U ? controller_fault_name(status->faults) : status->held;
-    message_command(run->command->name, "%s%s%s", controller_mode_name(status->mode),
-                    why[0] != '\0' ? ": " : "", why);
-}
-
-/// Pointing error of the axes against their goals, by the last status: from when the aim has
-/// settled (below 0.1 degrees) until a goal jumps by more than 5.
-static void measure(struct board_run *run) {
-    const struct board_link_status *status = &run->link.status;
-    double apart[2];
-    bool jumped = status->mode != MODE_TRACKING;
-    for (unsigned axis = 0; axis < 2U; axis++) {
-        const int32_t at =
-            status->measured[axis] ? status->measured_mdeg[axis] : status->setpoint_mdeg[axis];
-        apart[axis] = (double)(status->goal_mdeg[axis] - at) / 1000.0;
-        jumped = jumped || abs(status->goal_mdeg[axis] - run->goal_mdeg[axis]) > 5000;
-        run->goal_mdeg[axis] = status->goal_mdeg[axis];
-    }
-    apart[0] *= cos((double)status->goal_mdeg[1] / 1000.0 * 3.14159265358979 / 180.0);
-    const double error = sqrt(apart[0] * apart[0] + apart[1] * apart[1]);
-    run->settled = !jumped && (run->settled || error < 0.1);
-    if (run->settled) {
-        run->error_sum += error * error;
-        run->error_count++;
-    }
+    tell(run, status->faults != 0U, status->faults != 0U ? "fault" : "mode", "%s%s%s",
+         controller_mode_name(status->mode), why[0] != '\0' ? ": " : "", why);
 }
 
 static void watch_rest(struct board_run *run) {
@@ -171,7 +171,7 @@ static void take_status(struct board_run *run) {
     const struct board_link_status *status = &run->link.status;
     run->seen_lines = run->link.status_count;
     tell_mode(run);
-    measure(run);
+    run_board_measure(run);
     watch_rest(run);
     if (is_driven(status->mode)) {
         run->armed = true;
@@ -179,15 +179,16 @@ static void take_status(struct board_run *run) {
         run->ended_by = status->faults != 0U      ? controller_fault_name(status->faults)
                         : status->held[0] != '\0' ? status->held
                                                   : "somebody else stopped it";
+        tell(run, true, "board", "the board stopped: %s", run->ended_by);
+        run->armed = false;
     }
 }
 
-/// Before arming the axes must be homed. What the board says to it is taken in drive().
+/// Before arming the axes must be homed. What the board says to it is taken in find_trouble.
 static void arm(struct board_run *run, uint64_t now_us) {
-    const enum controller_mode mode = run->link.status.mode;
-    if (run->options->arm && !run->arm_sent && run->link.status_count != 0U &&
-        mode != MODE_STARTING && run->link.command == BOARD_LINK_IDLE) {
-        run->arm_sent = true;
+    if (run->arm_due && run->link.status_count != 0U && run->link.status.mode != MODE_STARTING &&
+        run->link.command != BOARD_LINK_WAITS) {
+        run->arm_due = false;
         board_link_order(&run->link, "arm", now_us);
     }
 }
@@ -195,7 +196,7 @@ static void arm(struct board_run *run, uint64_t now_us) {
 static void take_target(struct board_run *run, const struct target_update *update,
                         uint64_t now_us) {
     if (!board_targets_take(&run->targets, update, now_us) && run->targets_refused++ == 0U) {
-        message_command(run->command->name, CAPACITY_MESSAGE, TARGET_CAPACITY);
+        tell(run, true, "capacity", CAPACITY_MESSAGE, TARGET_CAPACITY);
     }
 }
 
@@ -239,9 +240,10 @@ static enum exit_status find_trouble(struct board_run *run, uint64_t now_us) {
         return complain(run, "a command was never answered", "is the line disturbed?");
     }
     if (run->link.command == BOARD_LINK_ANSWERED && run->link.refused) {
-        message_command(run->command->name, "the board refuses '%s': %s", run->link.command_text,
-                        run->link.answer);
-        return EXIT_STATUS_SAFETY_STOP;
+        tell(run, true, "board", "the board refuses '%s': %s", run->link.command_text,
+             run->link.answer);
+        run->link.command = BOARD_LINK_IDLE;
+        return run->options->stay ? EXIT_STATUS_OK : EXIT_STATUS_SAFETY_STOP;
     }
     return EXIT_STATUS_OK;
 }
@@ -254,11 +256,28 @@ static void begin_stop(struct board_run *run, uint64_t now_us) {
     }
 }
 
+/// The board is there, from now on.
+static void begin(struct board_run *run) {
+    const uint64_t now_us = event_loop_now_us();
+    if (run->known) {
+        run->returns++;
+    } else {
+        run->start_us = now_us; // the times of a recording count from here
+    }
+    if (run->refusal[0] != '\0') {
+        tell(run, false, "device", "the board is there%s", run->known ? " again" : "");
+        run->refusal[0] = '\0';
+    }
+    run->known = run->is_there = true;
+    run->told = run->armed = run->settled = false;
+    run->seen_lines = run->rest_lines = 0;
+    run->link.told_us = now_us;
+    board_targets_renew(&run->targets, now_us);
+}
+
 static enum exit_status drive(struct board_run *run) {
-    run->start_us = run->link.told_us = clock_us();
     for (;;) {
         const uint64_t now_us = serve(run);
-        const uint64_t limit_us = run->options->limit_us;
         const enum exit_status trouble = find_trouble(run, now_us);
         if (trouble != EXIT_STATUS_OK) {
             return trouble;
@@ -267,15 +286,15 @@ static enum exit_status drive(struct board_run *run) {
             take_status(run);
         }
         arm(run, now_us);
-        if (*run->options->interrupted != 0 || run->ended_by != NULL ||
-            (limit_us != 0U && now_us - run->start_us >= limit_us)) {
+        if (is_over(run, now_us) || (run->ended_by != NULL && !run->options->stay)) {
             begin_stop(run, now_us);
         }
         if (!run->stopping) {
             send_targets(run, now_us);
         } else if (run->rest_lines >= REST_LINES && !is_driven(run->link.status.mode) &&
                    run->link.command == BOARD_LINK_ANSWERED) {
-            return run->ended_by == NULL ? EXIT_STATUS_OK : EXIT_STATUS_SAFETY_STOP;
+            return run->ended_by == NULL || run->options->stay ? EXIT_STATUS_OK
+                                                               : EXIT_STATUS_SAFETY_STOP;
         }
     }
 }
@@ -288,62 +307,59 @@ static void leave(struct board_run *run) {
     }
 }
 
-// ---------------------------------------------------------------- what came of it
+// ---------------------------------------------------------------- a board that comes and goes
 
-static void print_summary(const struct board_run *run) {
-    const struct board_link *link = &run->link;
-    const struct board_link_status *status = &link->status;
-    const uint64_t now_us = clock_us();
-    uint64_t board_us = 0, error_us = 0;
-    (void)!board_clock_read(&link->clock, now_us, &board_us, &error_us);
-    struct facts facts;
-    facts_begin(&facts, stdout, run->options->json);
-    facts_text(&facts, "build", build_id);
-    facts_text(&facts, "board", run->rig->board_device);
-    facts_text(&facts, "board_build", link->identity.build);
-    facts_text(&facts, "mode", controller_mode_name(status->mode));
-    facts_fixed(&facts, "seconds", (double)(now_us - run->start_us) * 1e-6, 3);
-    facts_u64(&facts, "targets", run->targets.most);
-    facts_fixed(&facts, "hidden_percent",
-                run->hiding != NULL ? sim_hidden_percent(&run->hiding->occlusion) : 0.0, 2);
-    facts_u64(&facts, "bad_lines",
-              run->options->source != NULL ? run->options->source->bad_lines : 0U);
-    facts_u64(&facts, "updates_rejected", status->rejected + run->targets_refused);
-    facts_fixed(&facts, "pan_deg", status->setpoint_mdeg[0] / 1000.0, 3);
-    facts_fixed(&facts, "tilt_deg", status->setpoint_mdeg[1] / 1000.0, 3);
-    const double count = run->error_count != 0U ? (double)run->error_count : 1.0;
-    facts_fixed(&facts, "aim_error_rms_deg", sqrt(run->error_sum / count), 4);
-    facts_u64(&facts, "status_lines", link->status_count);
-    facts_u64(&facts, "status_gap_ms_max", link->gap_us_max / 1000U);
-    facts_u64(&facts, "target_lines_sent", link->target_lines_sent);
-    facts_u64(&facts, "lines_taken", status->taken);
-    facts_u64(&facts, "lines_damaged", status->damaged + link->splitter.damaged);
-    facts_u64(&facts, "lines_stale", status->stale);
-    facts_u64(&facts, "frames_compact", run->targets.compact_frames);
-    facts_u64(&facts, "frames_cut", run->targets.cut_frames);
-    facts_u64(&facts, "clock_answers", link->clock.answers);
-    facts_fixed(&facts, "clock_error_ms", (double)error_us * 1e-3, 3);
-    facts_end(&facts);
+/// From the opening of the line to its end.
+static enum exit_status drive_once(struct board_run *run) {
+    const char *const device = run->rig->board_device;
+    if (linux_serial_open(&run->serial, device, run->rig->board_baud) != HAL_OK) {
+        return complain_of_device(run);
+    }
+    const uint64_t now_us = event_loop_now_us();
+    const uint8_t host = (uint8_t)((unsigned)getpid() * 31U + (unsigned)now_us);
+    board_link_init(&run->link, &run->serial.hal, run->rig->board_baud, host, now_us);
+    enum exit_status status = say_hello(run);
+    if (status == EXIT_STATUS_OK) {
+        begin(run);
+        status = drive(run);
+        run->is_there = false;
+    }
+    if (run->link.identity.known) {
+        leave(run);
+    }
+    linux_serial_close(&run->serial);
+    return status;
 }
 
-static enum exit_status run_opened(struct board_run *run) {
-    const uint8_t host = (uint8_t)((unsigned)getpid() * 31U + (unsigned)clock_us());
-    board_link_init(&run->link, &run->serial.hal, run->rig->board_baud, host, clock_us());
-    board_targets_init(&run->targets, run->rig->controller.position_um);
-    enum exit_status status = say_hello(run);
-    if (status != EXIT_STATUS_OK) {
-        if (run->link.identity.known) {
-            leave(run);
+/// With `stay`, as often as it takes. After a loss nothing moves by itself.
+static enum exit_status drive_on(struct board_run *run) {
+    enum exit_status status = drive_once(run);
+    while (status == EXIT_STATUS_DEVICE && run->options->stay) {
+        const uint64_t until_us = event_loop_now_us() + LOOK_EVERY_US;
+        run->arm_due = run->arm_due && !run->known;
+        for (uint64_t now_us = 0; now_us < until_us;) {
+            now_us = pass(run);
+            if (is_over(run, now_us)) {
+                return status;
+            }
         }
-        return status;
+        status = drive_once(run);
     }
-    status = drive(run);
-    if (run->ended_by != NULL) {
-        message_command(run->command->name, "the board stopped: %s", run->ended_by);
-    }
-    leave(run);
-    print_summary(run);
     return status;
+}
+
+static enum exit_status open_parts(struct board_run *run) {
+    const struct run_board_options *const options = run->options;
+    const struct controller_config *const controller = &run->rig->controller;
+    if (!run_log_open(&run->log, options->log, event_loop_now_us())) {
+        return EXIT_STATUS_USAGE;
+    }
+    if (!event_loop_open(&run->loop, TICK_US)) {
+        message_command(run->command->name, "no event loop: %s", strerror(errno));
+        return EXIT_STATUS_FAILURE;
+    }
+    return occlusion_rig_open(options->scene, &run->rig->occlusion, controller->position_um,
+                              controller->target_expiry_us, &run->hiding);
 }
 
 enum exit_status run_board(const struct command *command, const struct rig *rig,
@@ -353,25 +369,28 @@ enum exit_status run_board(const struct command *command, const struct rig *rig,
         message_command(command->name, "no memory");
         return EXIT_STATUS_FAILURE;
     }
-    run->command = command;
-    run->rig = rig;
-    run->options = options;
-    enum exit_status status =
-        occlusion_rig_open(options->scene, &rig->occlusion, rig->controller.position_um,
-                           rig->controller.target_expiry_us, &run->hiding);
-    if (status != EXIT_STATUS_OK) {
-        occlusion_rig_close(run->hiding);
-        free(run);
-        return status;
+    *run = (struct board_run){.command = command,
+                              .rig = rig,
+                              .options = options,
+                              .loop = {.epoll = -1, .timer = -1, .signals = -1},
+                              .start_us = event_loop_now_us(),
+                              .arm_due = options->arm};
+    event_loop_block_signals();
+    message_aside_begin(); // a terminal that was stopped must not stop the board
+    board_targets_init(&run->targets, rig->controller.position_um);
+    enum exit_status status = open_parts(run);
+    if (status == EXIT_STATUS_OK) {
+        run_log_event(&run->log, false, "start", "%s", rig->ini.file);
+        status = drive_on(run);
+        run_log_event(&run->log, false, "end", "exit status %d", (int)status);
     }
-    status = EXIT_STATUS_DEVICE;
-    if (linux_serial_open(&run->serial, rig->board_device, rig->board_baud) != HAL_OK) {
-        status = complain_of_device(run);
-    } else {
-        status = run_opened(run);
-        linux_serial_close(&run->serial);
+    if (run->known) {
+        run_board_summary(run);
     }
     occlusion_rig_close(run->hiding);
+    event_loop_close(&run->loop);
+    run_log_close(&run->log);
+    message_aside_end();
     free(run);
     return status;
 }

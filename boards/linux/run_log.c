@@ -190,3 +190,18 @@ void run_log_event(struct run_log *log, bool severe, const char *event, const ch
     snprintf(line.event, sizeof line.event, "%s", event);
     aside_push(&log->lines, &line);
 }
+
+void run_log_tell(struct run_log *log, const char *command, bool severe, const char *event,
+                  const char *text) {
+    if (!log->takes_stderr) {
+        message_command(command, "%s", text);
+    }
+    run_log_event(log, severe, event, "%s", text);
+}
+
+void run_log_tell_at(struct run_log *log, const char *file, const char *event, const char *text) {
+    if (!log->takes_stderr) {
+        message_at(file, 0, "%s", text);
+    }
+    run_log_event(log, true, event, "%s", text);
+}

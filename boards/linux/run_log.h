@@ -19,7 +19,7 @@
 struct run_log {
     bool is_open;
     bool is_journal;
-    bool takes_stderr; ///< the same journal: what is written here needn't be said there, too
+    bool takes_stderr; ///< the same journal
     const char *name;
     uint64_t start_us;
     // Of the thread that writes:
@@ -44,5 +44,11 @@ uint64_t run_log_dropped(struct run_log *log);
 /// event: one word. Severe ones get a higher priority in the journal.
 void run_log_event(struct run_log *log, bool severe, const char *event, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/// To the person on stderr (message_command; message_at) and to the log; once, where both are the
+/// same journal.
+void run_log_tell(struct run_log *log, const char *command, bool severe, const char *event,
+                  const char *text);
+void run_log_tell_at(struct run_log *log, const char *file, const char *event, const char *text);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "runner.h"
 
-/// To the person on stderr and to the log; once, where both are the same journal.
+/// As run_log_tell.
 void runner_tell(struct runner *runner, bool severe, const char *event, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 

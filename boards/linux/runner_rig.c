@@ -9,10 +9,7 @@ void runner_tell(struct runner *runner, bool severe, const char *event, const ch
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (!runner->log.takes_stderr) {
-        message_command(runner->settings.command, "%s", text);
-    }
-    run_log_event(&runner->log, severe, event, "%s", text);
+    run_log_tell(&runner->log, runner->settings.command, severe, event, text);
 }
 
 // ---------------------------------------------------------------- the rig
@@ -266,10 +263,7 @@ bool runner_waits(struct runner *runner, enum exit_status status) {
     if (status == EXIT_STATUS_DEVICE && strcmp(runner->refusal, runner->told_refusal) != 0) {
         const bool first = runner->told_refusal[0] == '\0';
         memcpy(runner->told_refusal, runner->refusal, sizeof runner->told_refusal);
-        if (!runner->log.takes_stderr) {
-            message_at(runner->rig.ini.file, 0, "%s", runner->refusal);
-        }
-        run_log_event(&runner->log, true, "device", "%s", runner->refusal);
+        run_log_tell_at(&runner->log, runner->rig.ini.file, "device", runner->refusal);
         if (first && runner->settings.wait) {
             runner_tell(runner, false, "device", "waiting until it can be opened");
         }

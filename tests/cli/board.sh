@@ -173,6 +173,55 @@ verdict 'a line that another program has open' $?
 kill $child
 driven
 
+# ---------------------------------------------------------------- a board that comes and goes
+says() { [ "$(grep -cF -- "$1" "$dir/err")" -eq "$2" ]; }
+kill $pid
+wait $pid 2>/dev/null
+rm -f "$tty"
+stay() { # [OPTION...]
+    : >"$dir/out" >"$dir/err"
+    "$boresight" run "$rig" --stay "$@" >"$dir/out" 2>"$dir/err" &
+    child=$!
+    until_true 30 told 'waiting until it is there'
+}
+printf '{"id": 1, "xyz": [-1, 10, 0]}\n{"id": 2, "xyz": [3, 10, 0]}\n' >"$dir/told_once.jsonl"
+stay --arm --targets "$dir/told_once.jsonl" --state 0.1 --log "$dir/log" --json
+until_true 30 grep -q '"board": false}$' "$dir/out"
+verdict 'with --stay it waits for a board' $?
+kill -USR1 $child # there is nothing to arm
+sleep 1.5         # it is tried twice a second
+board board
+until_true 60 told tracking && told 'run: the board is there' && says 'no such file or device' 1 && says waiting 1
+verdict 'that comes, and drives, each thing told once' $?
+until_true 30 grep -q '"board": true, "mode": "tracking", "pan_deg": .*"tilt_goal_deg": .*"targets": 2}$' "$dir/out"
+verdict 'its state is told' $?
+board board
+until_true 60 told 'run: the board is there again' && until_true 30 says 'run: ready' 2 && sleep 1 && says 'run: settling' 1
+verdict 'one that was away does not move by itself' $?
+kill -USR1 $child
+until_true 30 says 'run: tracking' 2
+verdict 'but by SIGUSR1, with the targets from before' $?
+kill -HUP $child
+until_true 30 told 'SIGHUP changes nothing'
+verdict 'SIGHUP says why it does nothing' $?
+kill -USR1 $pid
+until_true 30 told 'the board stopped: emergency stop' && kill -USR1 $child && until_true 30 told "the board refuses 'arm': emergency stop"
+verdict 'a stop, and a refusal, do not end it' $?
+kill -INT $child
+driven
+[ "$status" -eq 0 ] && tail -n 1 "$dir/out" | grep -q '"board_returns": 1, .*"log_dropped": 0, "states_dropped": 0,' &&
+    grep -q '"event": "device", "text": "the board is there again"' "$dir/log"
+verdict 'an interrupt does' $?
+kill $pid
+wait $pid 2>/dev/null
+pid=
+rm -f "$tty"
+stay
+kill -TERM $child
+driven
+[ "$status" -eq 4 ] && [ ! -s "$dir/out" ]
+verdict 'also while it waits, with status 4' $?
+
 # ---------------------------------------------------------------- the rig file
 for value in /dev/ttyACM0 serial: tcp:host; do
     make_rig "board = $value"

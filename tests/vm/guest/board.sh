@@ -61,4 +61,20 @@ pull_out() {
 }
 tries a_line_that_is_pulled_out_is_status_4 pull_out
 tries drives_it_again_when_it_is_back drive
+tracks() { [ "$(grep -c 'run: tracking' "$work/run.err")" -ge "$1" ]; }
+stands_by() { [ "$(grep -c 'run: stopped' "$work/run.err")" -eq 2 ]; }
+stay() {
+    : >"$work/run.json" >"$work/run.err"
+    "$boresight" run "$work/rig.ini" --arm --stay --json --targets "$work/two.jsonl" >"$work/run.json" 2>"$work/run.err" &
+    runner=$!
+    until_true 20 tracks 1
+    echo 0 >"$usb/authorized"
+    until_true 20 told 'ttyUSB0: the device has left; plug it in again'
+    echo 1 >"$usb/authorized"
+    until_true 60 told 'the board is there again' && until_true 20 stands_by && kill -USR1 $runner && until_true 20 tracks 2
+    status=$?
+    kill -INT $runner
+    wait $runner && [ "$status" -eq 0 ] && [ "$(fact board_returns)" = 1 ] && looks_between
+}
+tries is_armed_again_with_stay stay
 for name in status_gap_ms_max clock_error_ms lines_taken; do echo "# board behind a USB serial adapter: $name $(fact $name)"; done
