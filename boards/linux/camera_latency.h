@@ -55,9 +55,8 @@ struct camera_latency_found {
 };
 
 /// Returns:  NULL, or why it can't be told: too few sightings, or too little motion.
-/// Accuracy: 0.5 ms and 0.2 % with 0.02 degree of noise (tests/scenario/test_camera_latency.c);
-/// what
-///           the rest of the rig does to it: tests/cli/calibrate.sh.
+/// Accuracy: 0.5 ms and 0.2 % with 0.02 degree of noise (tests/scenario/test_camera_latency.c).
+///           What the rest of the rig does to it: tests/cli/calibrate.sh.
 /// Cost:     about 250 looks at every sighting, some 100 ms.
 const char *camera_latency_fit(const struct camera_latency *latency,
                                struct camera_latency_found *found) MUST_CHECK;

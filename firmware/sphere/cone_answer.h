@@ -17,9 +17,8 @@ bool cone_is_farther(struct vec3 axis_q30, struct vec3 a, struct vec3 b);
 
 /// The point at the largest true angle from an axis, of those that are added; of several at one
 /// angle the first. Any int32 directions.
-/// Cost:     seven products of 64 bits a point; two points within 2^-54 of cosine, and those that
-/// are
-///           no unit vectors, cost a cone_is_farther.
+/// Cost:     seven products of 64 bits a point; two points within 2^-54 of cosine, and those
+///           that are no unit vectors, cost a cone_is_farther.
 /// Accuracy: exact.
 /// Source:   as cone_is_farther.
 struct cone_farthest {

@@ -31,10 +31,9 @@
 /// - static friction = back-drive torque; Coulomb 0.6 Nm and viscous 0.002 Nm s, which together are
 ///   what the no-load current says (24 W less 1.8 W for the electronics, at 33.2 rad/s: 0.67 Nm);
 ///   Stribeck speed 0.1 rad/s;
-/// - payload: a camera of 1.5 kg, 200 x 90 x 90 mm, 0.0060 kg m^2, its centre of mass 10 mm ahead
-/// of
-///   the tilt axis; cradle 0.002; the pan axis also turns the tilt drive (0.33 kg at 70 mm) and the
-///   yoke (0.5 kg at 80 mm), 0.0048;
+/// - payload: a camera of 1.5 kg, 200 x 90 x 90 mm, 0.0060 kg m^2, its centre of mass 10 mm
+///   ahead of the tilt axis; cradle 0.002; the pan axis also turns the tilt drive (0.33 kg at 70
+///   mm) and the yoke (0.5 kg at 80 mm), 0.0048;
 /// - end stops at +-200 degrees (pan, cable) and -100 to +110 degrees (tilt).
 #ifndef PLANT_AXIS_PLANT_H
 #define PLANT_AXIS_PLANT_H

@@ -81,10 +81,9 @@ MUST_CHECK static inline enum hal_status hal_flash_read(const struct hal_flash *
 ///           HAL_ERROR_ARGUMENT: beyond the end, address or size_bytes no multiple of a unit, or a
 ///           bit would have to turn from 0 to 1. Nothing was begun;
 ///           HAL_ERROR_IO, HAL_ERROR_GONE: may be done in part.
-/// Cost:     STM32F4 16 to 100 us for each 4 bytes, RP2040 0.4 to 3 ms for each 256 bytes with the
-/// processor
-///           halted if it runs from the same flash: at boot or at standstill only. On Linux a few
-///           system calls; the disk is waited for in the background.
+/// Cost:     STM32F4 16 to 100 us for each 4 bytes, RP2040 0.4 to 3 ms for each 256 bytes, and
+///           the processor halted if it runs from the same flash: at boot or at standstill only. On
+///           Linux a few system calls; the disk is waited for in the background.
 MUST_CHECK static inline enum hal_status hal_flash_program(const struct hal_flash *flash,
                                                            uint32_t address, const uint8_t *data,
                                                            uint32_t size_bytes) {

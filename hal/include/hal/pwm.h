@@ -55,10 +55,9 @@ MUST_CHECK static inline enum hal_status hal_pwm_limits(const struct hal_pwm *pw
 
 /// Sets the period; pulse widths stay. Channels of one timer share it and change together: ask
 /// hal_pwm_limits of each.
-/// Returns:  HAL_OK; HAL_ERROR_ARGUMENT: no such channel, outside the limits, or not longer than
-/// the
-///           pulse of this or a sharing channel; HAL_ERROR_IO, HAL_ERROR_GONE. Then the old one
-///           holds.
+/// Returns:  HAL_OK; HAL_ERROR_ARGUMENT: no such channel, outside the limits, or not longer
+///           than the pulse of this or a sharing channel; HAL_ERROR_IO, HAL_ERROR_GONE. Then the
+///           old one holds.
 /// Cost:     at start-up only: one pulse may come out short.
 MUST_CHECK static inline enum hal_status hal_pwm_set_period(const struct hal_pwm *pwm,
                                                             uint32_t channel, uint32_t period_ns) {
