@@ -12,7 +12,7 @@ rig() { # BUS
 }
 rig fake >"$work/sim.ini"
 rig can:vcan0 >"$work/before.ini"
-printf '[scenario]\nname = served\nrig = sim.ini\nseconds = 1\ntick_us = 5000\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
+printf '[scenario]\nname = served\nrig = sim.ini\nseconds = 1\ntick_us = 5000\nstart_deg = 150, 0\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
 : >"$work/none.jsonl"
 value() { sed -n "s/.*\"$1\": \"\{0,1\}\([^\"}]*\).*/\1/p" "$work/out" | sed 's/, "*.*//'; }
 # item NAME NUMBER: of a list.
