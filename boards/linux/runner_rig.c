@@ -1,5 +1,7 @@
 #include "runner_private.h"
 
+#include "degrees.h"
+
 #include <stdarg.h>
 #include <string.h>
 
@@ -29,12 +31,15 @@ static enum exit_status build_fakes(struct runner *runner) {
         runner->obstacles =
             (struct sim_obstacles){.occlusion = runner->hiding->config, .group_count = 1};
     }
-    const struct sim_config config = {.controller = &runner->rig.controller,
-                                      .schedule = &runner->schedule,
-                                      .seed = 1,
-                                      .obstacles =
-                                          runner->hiding != NULL ? &runner->obstacles : NULL,
-                                      .fixed_focal_mm = runner->rig.fixed_focal_mm};
+    // Where the settings allow an axis to be, which 0 need not be.
+    const struct controller_axis_config *axis = runner->rig.controller.axis;
+    const struct sim_config config = {
+        .controller = &runner->rig.controller,
+        .start_deg = {degrees(axis[AXIS_PAN].home_q48), degrees(axis[AXIS_TILT].home_q48)},
+        .schedule = &runner->schedule,
+        .seed = 1,
+        .obstacles = runner->hiding != NULL ? &runner->obstacles : NULL,
+        .fixed_focal_mm = runner->rig.fixed_focal_mm};
     runner->sim = sim_create(&config);
     if (runner->sim == NULL) {
         message_command(runner->settings.command, "no memory for the simulated devices");

@@ -99,6 +99,9 @@ kill -INT $!
 wait $!
 status=$?
 gives 'run ends well on SIGINT' 0 'mode="stopped"'
+sed 's/^limit_min_deg = -175/home_deg = 150\nlimit_min_deg = 100/' host-sim/rigs/studio.ini >"$dir/far.ini"
+run run "$dir/far.ini" --arm --seconds 0.3 --json
+gives 'simulated axes begin at home, where 0 is beyond their limits' 0 'mode="stopped"' 'pan_deg=150.0000'
 sed 's/^bus = fake/bus = can:can0/' host-sim/rigs/studio.ini >"$dir/real.ini"
 run run "$dir/real.ini" --seconds 1
 [ "$status" -eq 4 ] && grep -q 'can0: no such interface' "$dir/err"
