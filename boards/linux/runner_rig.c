@@ -95,6 +95,7 @@ enum exit_status runner_build(struct runner *runner) {
     runner->told_mode = MODE_STARTING;
     runner->told_faults = 0;
     memset(runner->told_silent, 0, sizeof runner->told_silent);
+    memset(runner->outside, 0, sizeof runner->outside);
     runner->capacity = (struct capacity){0};
     runner->starting_since_us = event_loop_now_us();
     const enum exit_status status = rig_lines_open(&runner->lines, &runner->rig);

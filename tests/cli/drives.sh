@@ -54,10 +54,16 @@ kill -USR1 $runner
 again() { [ "$(grep -c 'beyond its limits' "$dir/err")" -eq 2 ]; }
 until_true 30 again
 status=$?
+[ "$status" -eq 0 ] && ! grep -q 'settling\|tracking\|holding' "$dir/err"
+verdict 'nor by SIGUSR1, which tells it again' $?
+cp "$dir/turned.ini" "$dir/wrong.ini"
+cp "$dir/rig.ini" "$dir/turned.ini"
+kill -HUP $runner
+until_true 30 grep -q settling "$dir/err"
+verdict 'but with a zero that was mended meanwhile' $?
 kill -INT $runner
 wait $runner
-[ "$status" -eq 0 ] && [ "$(value pan_deg)" = -120.0000 ] && ! grep -q 'settling\|tracking\|holding' "$dir/err"
-verdict 'nor by SIGUSR1, which tells it again' $?
+cp "$dir/wrong.ini" "$dir/turned.ini"
 run calibrate "$dir/turned.ini" --keep-limits --json --dry-run </dev/null
 [ "$status" -ne 0 ] && grep -qF "calibrate: $beyond" "$dir/err" && [ ! -s "$dir/out" ]
 verdict 'nor to be calibrated' $?
