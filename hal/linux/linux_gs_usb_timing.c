@@ -26,7 +26,8 @@ bool linux_gs_usb_timing(const struct linux_gs_usb_limits *limits, uint32_t bitr
             continue;
         }
         const uint32_t count = (uint32_t)quanta;
-        uint32_t segment2 = between(count / 8U, limits->segment2_min, limits->segment2_max);
+        // The nearest to an eighth; the smaller one of two.
+        uint32_t segment2 = between((count + 3U) / 8U, limits->segment2_min, limits->segment2_max);
         const uint32_t segment1 =
             between(count - 1U - segment2, limits->segment1_min, limits->segment1_max);
         segment2 = count - 1U - segment1;

@@ -337,6 +337,113 @@ static void live_as_adapter(void) {
     CHECK_EQ(libusb_model_objects(), 0);
 }
 
+/// candleLight and its kin, by the numbers that the kernel's driver has, too; none that is one off.
+static void adapters_by_their_numbers(void) {
+    static const uint16_t known[][2] = {
+        {0x1D50, 0x606F}, {0x1209, 0x2323}, {0x1CD2, 0x606F}, {0x16D0, 0x10B8}};
+    static struct linux_gs_usb gs;
+    reset(NULL);
+    linux_usb_close(&usb);
+    clock_.step_us = 25000;
+    for (unsigned i = 0; i < 4U; i++) {
+        for (int off = 0; off < 5; off++) { // of one number or the other, by one
+            const uint16_t vendor = (uint16_t)(known[i][0] + (off == 1) - (off == 2));
+            const uint16_t product = (uint16_t)(known[i][1] + (off == 3) - (off == 4));
+            struct libusb_model model = adapter;
+            model.vendor = vendor;
+            model.product = product;
+            memset(&bus, 0, sizeof bus);
+            libusb_model_plug(0, &model);
+            CHECK_EQ(linux_gs_usb_open(&gs, NULL, 0, 1000000, &clock_.hal),
+                     off == 0 ? HAL_OK : HAL_ERROR_GONE);
+            const struct hal_usb_identity identity = {.vendor = vendor, .product = product};
+            CHECK_EQ(linux_gs_usb_is_one(&identity), off == 0);
+            linux_gs_usb_close(&gs);
+        }
+    }
+    CHECK_EQ(libusb_model_objects(), 0);
+}
+
+/// Frames of another channel and of CAN FD, echoes of what was never sent: nothing is heard,
+/// nothing breaks, and what comes behind them is understood.
+static void frames_that_are_none_of_ours(void) {
+    static const uint8_t others[][20] = {
+        {0xFF, 0xFF, 0xFF, 0xFF, 0x42, 2, 0, 0, 1, 0, 0, 0, 0xAB}, // of the other channel
+        {0xFF, 0xFF, 0xFF, 0xFF, 0x42, 2, 0, 0, 1, 0, 2, 0, 0xAB}, // FD
+        {0xFF, 0xFF, 0xFF, 0xFF, 0x42, 2, 0, 0, 9, 0, 0, 0, 0xAB}, // 9 bytes
+        {0, 0, 0, 0, 0x42, 2, 0, 0, 1, 0, 0, 0, 0xAB},             // echoes
+        {0xFE, 0xFF, 0xFF, 0xFF, 0x42, 2, 0, 0, 1, 0, 0, 0, 0xAB},
+        {0, 1, 0, 0, 0x42, 2, 0, 0, 1, 0, 0, 0, 0xAB}};
+    static const uint8_t good[20] = {0xFF, 0xFF, 0xFF, 0xFF, 0x43, 2, 0, 0, 1, 0, 0, 0, 0xCD};
+    static struct linux_gs_usb gs;
+    struct hal_can_state state = {.health = HAL_CAN_OFF};
+    struct can_frame got;
+    uint32_t at_us;
+    reset(NULL);
+    linux_usb_close(&usb);
+    libusb_model_plug(0, &adapter);
+    memset(&bus, 0, sizeof bus);
+    candle.channel_count = 2;
+    clock_.step_us = 25000;
+    CHECK_EQ(linux_gs_usb_open(&gs, NULL, 0, 1000000, &clock_.hal), HAL_OK);
+    for (unsigned i = 0; i < sizeof others / sizeof *others; i++) {
+        candle_inject(&bus, i == 0U ? 1U : 0U, others[i]);
+    }
+    candle_inject(&bus, 0, good);
+    for (int i = 0; i < 20; i++) {
+        CHECK_EQ(hal_can_state(&gs.hal, &state), HAL_OK);
+    }
+    CHECK_EQ(hal_can_receive(&gs.hal, &got, &at_us), HAL_OK);
+    CHECK(got.id == 0x243U && got.length == 1U && got.data[0] == 0xCDU);
+    CHECK_EQ(hal_can_receive(&gs.hal, &got, &at_us), HAL_EMPTY);
+    CHECK_EQ(state.lost_count, 0);
+    CHECK_EQ(bus.node[1].waiting, 0);
+    linux_gs_usb_close(&gs);
+    candle.channel_count = 1;
+    CHECK_EQ(libusb_model_objects(), 0);
+}
+
+/// A few transfers that fail are nothing; an adapter that fails again and again has gone.
+static void transfers_that_fail_on_and_on(void) {
+    static const uint8_t good[20] = {0xFF, 0xFF, 0xFF, 0xFF, 0x43, 2, 0, 0, 1, 0, 0, 0, 0xCD};
+    static struct linux_gs_usb gs;
+    struct hal_can_state state;
+    struct can_frame got;
+    uint32_t at_us;
+    reset(NULL);
+    linux_usb_close(&usb);
+    libusb_model_plug(0, &adapter);
+    memset(&bus, 0, sizeof bus);
+    clock_.step_us = 25000;
+    CHECK_EQ(linux_gs_usb_open(&gs, NULL, 0, 1000000, &clock_.hal), HAL_OK);
+    libusb_model_faults.spoil_with = LIBUSB_TRANSFER_ERROR;
+    for (int times = 0; times < 3; times++) { // in a row is what counts
+        libusb_model_faults.spoil_next = 20;
+        candle_inject(&bus, 0, good);
+        for (int i = 0; i < 100; i++) {
+            CHECK_EQ(hal_can_state(&gs.hal, &state), HAL_OK);
+        }
+        CHECK_EQ(libusb_model_faults.spoil_next, 0);
+        CHECK_EQ(hal_can_receive(&gs.hal, &got, &at_us), HAL_OK);
+    }
+    libusb_model_faults.spoil_next = 1000;
+    candle_inject(&bus, 0, good);
+    enum hal_status status = HAL_OK;
+    for (int i = 0; i < 1000 && status == HAL_OK; i++) {
+        status = hal_can_state(&gs.hal, &state);
+    }
+    CHECK_EQ(status, HAL_ERROR_GONE);
+    libusb_model_faults.spoil_next = 0;
+    linux_gs_usb_close(&gs);
+
+    memset(&bus, 0, sizeof bus);
+    candle.mute = true;
+    CHECK_EQ(linux_gs_usb_open(&gs, NULL, 0, 1000000, &clock_.hal), HAL_ERROR_TIMEOUT);
+    CHECK(strstr(gs.error.line, ": does not answer; plug it in again") != NULL);
+    candle.mute = false;
+    CHECK_EQ(libusb_model_objects(), 0);
+}
+
 static void adapter_fails_at_every_step(void) {
     reset(NULL);
     linux_usb_close(&usb);
@@ -361,6 +468,9 @@ int main(void) {
     CONTRACT("linux_usb", devices_that_can_not_be_had);
     CONTRACT("linux_usb", usb_fails_at_every_step);
     CONTRACT("linux_maestro", maestro_fails_at_every_step);
+    CONTRACT("linux_gs_usb", adapters_by_their_numbers);
+    CONTRACT("linux_gs_usb", frames_that_are_none_of_ours);
+    CONTRACT("linux_gs_usb", transfers_that_fail_on_and_on);
     CONTRACT("linux_gs_usb", adapter_fails_at_every_step);
     linux_usb_close(&usb);
     CHECK_EQ(libusb_model_objects(), 0);

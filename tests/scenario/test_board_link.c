@@ -18,6 +18,8 @@ static struct board_link link_;
 static struct board_targets targets;
 static uint32_t damage_in; ///< one byte in so many is damaged or lost; 0: none
 static uint64_t dice = 99;
+static bool unplugged;
+static uint64_t bytes_read;
 
 // ---------------------------------------------------------------- our end
 
@@ -34,6 +36,9 @@ static bool pass(char *byte) {
 
 static enum hal_status our_write(void *ctx, const uint8_t *data, size_t size, size_t *written) {
     (void)ctx;
+    if (unplugged) {
+        return HAL_ERROR_GONE;
+    }
     for (size_t i = 0; i < size; i++) {
         char byte = (char)data[i];
         if (pass(&byte)) {
@@ -46,6 +51,9 @@ static enum hal_status our_write(void *ctx, const uint8_t *data, size_t size, si
 
 static enum hal_status our_read(void *ctx, uint8_t *data, size_t capacity, size_t *read_bytes) {
     (void)ctx;
+    if (unplugged) {
+        return HAL_ERROR_GONE;
+    }
     while (*read_bytes < capacity && desk.said_seen < desk.said_count) {
         char byte = desk.said[desk.said_seen++];
         if (pass(&byte)) {
@@ -55,6 +63,7 @@ static enum hal_status our_read(void *ctx, uint8_t *data, size_t capacity, size_
     if (desk.said_seen == desk.said_count) {
         desk_forget();
     }
+    bytes_read += *read_bytes;
     return *read_bytes != 0U ? HAL_OK : HAL_EMPTY;
 }
 
@@ -83,6 +92,8 @@ static void run(uint32_t ms) {
 
 static void meet(void) {
     damage_in = 0;
+    unplugged = false;
+    bytes_read = 0;
     desk_configure();
     desk_start(115200);
     desk_ticks(50);
@@ -110,6 +121,8 @@ static void they_meet(void) {
     CHECK_EQ(link_.identity.digest, settings_digest(&desk_settings));
     CHECK(strcmp(link_.identity.build, build_id) == 0);
     CHECK(link_.status.mode == MODE_READY && link_.status_count > 3U);
+    CHECK(link_.clock.answers >= 8U); // asked often at first
+    CHECK(!link_.gone && link_.bytes_received == bytes_read);
     CHECK(order("arm") && !link_.refused);
     CHECK(order("aim 10.5 -3.25") && !link_.refused);
     run(2000);
@@ -308,6 +321,43 @@ static void a_noisy_line(void) {
     CHECK(apart_nrad(0, &update) <= 2);
 }
 
+/// Told 20 times a second, the longest gap is one of those, or of the meeting.
+static void gaps_are_told(void) {
+    meet();
+    run(2000);
+    CHECK(link_.gap_us_max >= 45000U && link_.gap_us_max <= 150000U);
+    const uint64_t before_us = link_.gap_us_max;
+    desk.deaf = true;
+    desk.queue_count = 0;
+    run(700);
+    CHECK_EQ(link_.gap_us_max, before_us);
+}
+
+/// A board is one program's: another one, which calls itself otherwise, hears so.
+static void another_program_has_it(void) {
+    meet();
+    board_link_init(&link_, &our_serial, 115200, 0x11, our_time());
+    board_link_hello(&link_);
+    run(300);
+    CHECK(link_.identity.busy && !link_.identity.known);
+    board_link_init(&link_, &our_serial, 115200, 0x5e, our_time()); // the first one, started again
+    board_link_hello(&link_);
+    run(300);
+    CHECK(link_.identity.known && !link_.identity.busy);
+}
+
+static void the_port_leaves(void) {
+    meet();
+    run(500);
+    CHECK(!link_.gone);
+    unplugged = true;
+    run(2);
+    CHECK(link_.gone);
+    unplugged = false;
+    run(50);
+    CHECK(link_.gone); // for good, until it is opened again
+}
+
 /// The board does not answer at all.
 static void a_dead_line(void) {
     meet();
@@ -393,6 +443,9 @@ int main(void) {
     TEST(many_targets_20_times_a_second);
     TEST(more_than_fits);
     TEST(a_noisy_line);
+    TEST(gaps_are_told);
+    TEST(another_program_has_it);
+    TEST(the_port_leaves);
     TEST(a_dead_line);
     TEST(silent_or_let_go);
     TEST(stop_goes_first);
