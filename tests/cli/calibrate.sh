@@ -88,6 +88,11 @@ run calibrate "$dir/rig.ini" --json </dev/null
 [ "$status" -eq 0 ] && grep -q '"pan_move_s": \[\]' "$dir/out" && grep -q '"tilt_move_s": \[\]' "$dir/out" && ! grep -q '^move_s' "$dir/rig.ini" &&
     within "$(value pan_latency_ms)" 12.5 18.5 && within "$(value tilt_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms = .* measured' "$dir/rig.ini")" -eq 2 ]
 verdict 'an axis with little room' $?
+sed 's/^limit_min_deg = .*/limit_min_deg = -0.2/; s/^limit_max_deg = .*/limit_max_deg = 0.2/' host-sim/rigs/studio.ini >"$dir/rig.ini"
+cp "$dir/rig.ini" "$dir/small.ini"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 1 ] && grep -qx 'boresight calibrate: pan has too little room to measure its latency' "$dir/err" && cmp -s "$dir/rig.ini" "$dir/small.ini"
+verdict 'an axis with next to none' $?
 
 # ---------------------------------------------------------------- the camera
 # A simulated camera stamps its frames late by what its name says. What is measured is 0.3 ms less: so long a drive needs
