@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define TILT_MOST_DEG   80.0 ///< of moves: near the zenith pan is undefined
-#define RANGE_SLACK_DEG 1.0  ///< that a move keeps from the ends
+#define RANGE_SLACK_DEG 1.0  ///< that a move keeps from the ends, if there is room for it
 #define SPEEDS_MIN      5U
 #define LAGS_MIN        10U ///< of a round
 /// Rounds that are no farther apart agree.
@@ -114,8 +114,9 @@ static bool take_rounds(struct calibrate_axis *result, const struct rounds *roun
 bool calibrate_moves(struct calibrate *c, unsigned axis) {
     struct calibrate_axis *const result = &c->axis[axis];
     const double most = axis == AXIS_TILT ? TILT_MOST_DEG : 3600.0;
-    const double low = calibrate_clamp(result->end_deg[0] + RANGE_SLACK_DEG, -most, most);
-    const double high = calibrate_clamp(result->end_deg[1] - RANGE_SLACK_DEG, -most, most);
+    const double slack = fmin(RANGE_SLACK_DEG, 0.25 * (result->end_deg[1] - result->end_deg[0]));
+    const double low = calibrate_clamp(result->end_deg[0] + slack, -most, most);
+    const double high = calibrate_clamp(result->end_deg[1] - slack, -most, most);
     const struct way whole = {low, high};
     struct way ways[CALIBRATE_MOVES];
     struct rounds rounds = {0};

@@ -79,8 +79,20 @@ verdict 'a file that is read-only is left alone' $?
 chmod 640 "$dir/rig.ini"
 run calibrate "$dir/rig.ini" --keep-limits --json </dev/null
 # 250 degrees can't be reached, so a rig whose limits are wrong is stopped, and says so.
-[ "$status" -eq 0 ] && [ "$(value pan_low_end)" = limit ] && ! diff "$dir/before.ini" "$dir/rig.ini" | grep -q '^<'
+[ "$status" -eq 0 ] && ! diff "$dir/before.ini" "$dir/rig.ini" | grep -q '^<' &&
+    [ "$(value pan_low_end) $(value pan_high_end) $(value tilt_low_end) $(value tilt_high_end)" = 'limit limit limit limit' ]
 verdict 'limits are kept when asked to' $?
+# Nine degrees of room are none for a move of ten: its latency is measured on what there is.
+sed 's/^limit_min_deg = .*/limit_min_deg = -4.5/; s/^limit_max_deg = .*/limit_max_deg = 4.5/' host-sim/rigs/studio.ini >"$dir/rig.ini"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 0 ] && grep -q '"pan_move_s": \[\]' "$dir/out" && grep -q '"tilt_move_s": \[\]' "$dir/out" && ! grep -q '^move_s' "$dir/rig.ini" &&
+    within "$(value pan_latency_ms)" 12.5 18.5 && within "$(value tilt_latency_ms)" 12.5 18.5 && [ "$(grep -c '^latency_ms = .* measured' "$dir/rig.ini")" -eq 2 ]
+verdict 'an axis with little room' $?
+sed 's/^limit_min_deg = .*/limit_min_deg = -0.2/; s/^limit_max_deg = .*/limit_max_deg = 0.2/' host-sim/rigs/studio.ini >"$dir/rig.ini"
+cp "$dir/rig.ini" "$dir/small.ini"
+run calibrate "$dir/rig.ini" --json </dev/null
+[ "$status" -eq 1 ] && grep -qx 'boresight calibrate: pan has too little room to measure its latency' "$dir/err" && cmp -s "$dir/rig.ini" "$dir/small.ini"
+verdict 'an axis with next to none' $?
 
 # ---------------------------------------------------------------- the camera
 # A simulated camera stamps its frames late by what its name says. What is measured is 0.3 ms less: so long a drive needs
@@ -202,6 +214,13 @@ ends 'a sighting of the mount itself' 2 "$dir/sightings:2: is no sighting; give 
 printf '10 20 5 5 5\n10 20 5 5 5\n10 20 5 5 5\n' >"$dir/sightings"
 run calibrate "$dir/rig.ini" --sightings "$dir/sightings" </dev/null
 ends 'sightings of one point' 3 "$dir/sightings: these sightings do not determine the model: give more, far apart in pan and tilt"
+{
+    cat host-sim/rigs/studio.ini
+    printf '\n[controller]\nboard = serial:/dev/ttyACM0\n'
+} >"$dir/rig.ini"
+run calibrate "$dir/rig.ini" </dev/null
+ends 'a rig that a board drives' 2 \
+    "$dir/rig.ini:$(wc -l <"$dir/rig.ini"): key 'board': drives the rig: only what this program drives itself can be measured"
 run calibrate </dev/null
 ends 'no rig file' 2 'boresight calibrate: which rig? give its file'
 run calibrate host-sim/rigs/hobby.ini </dev/null
