@@ -231,6 +231,34 @@ static void a_known_chip_gets_whole_steps(void) {
     CHECK(strcmp(chip.driver, "pca9685-pwm") == 0);
 }
 
+/// Whatever the chip's steps make of the two, its file never has a pulse as long as its period; and
+/// what was refused changed nothing.
+static void a_pulse_fits_into_its_period(void) {
+    struct hal_pwm_limits limits;
+    uint32_t taken = 0, refused = 0;
+    reset(NULL);
+    CHECK_EQ(get_of(0, "duty_cycle"), 0);
+    for (uint32_t pulse_ns = 700000; pulse_ns < 3000000U; pulse_ns += 17777U) {
+        for (uint32_t more_ns = 1; more_ns < 400000U; more_ns *= 3U) {
+            CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 0, 0), HAL_OK);
+            CHECK_EQ(hal_pwm_set_period(&pwm.hal, 0, 20000000), HAL_OK);
+            CHECK_EQ(hal_pwm_set_pulse(&pwm.hal, 0, pulse_ns), HAL_OK);
+            const enum hal_status status = hal_pwm_set_period(&pwm.hal, 0, pulse_ns + more_ns);
+            CHECK(status == HAL_OK || status == HAL_ERROR_ARGUMENT);
+            CHECK_EQ(hal_pwm_limits(&pwm.hal, 0, &limits), HAL_OK);
+            CHECK_EQ(get_of(0, "period"), limits.period_ns);
+            CHECK(limits.period_ns > pulse_ns && get_of(0, "duty_cycle") < limits.period_ns);
+            CHECK(status == HAL_OK || limits.period_ns == 122U * 163840U);
+            taken += status == HAL_OK;
+            refused += status != HAL_OK;
+            if (!check_clean()) {
+                return;
+            }
+        }
+    }
+    CHECK(taken > 100U && refused > 100U);
+}
+
 static void live(void) {
     struct hal_pwm_limits limits = {0};
     if (life_note("open", linux_pwm_open(&pwm, root, "pwmchip3", 5U), &pwm.error) != HAL_OK) {
@@ -274,6 +302,7 @@ int main(void) {
     driver = "/nowhere/drivers/pca9685-pwm";
     suite("linux_pwm_pca9685", 163840);
     CONTRACT("linux_pwm_pca9685", a_known_chip_gets_whole_steps);
+    CONTRACT("linux_pwm_pca9685", a_pulse_fits_into_its_period);
     driver = NULL;
     suite("linux_pwm", 0);
     CONTRACT("linux_pwm", closing_ends_the_pulses);
