@@ -48,7 +48,7 @@ static void add_by_kind(struct facts *facts, struct runner *runner) {
     facts_u64(facts, "can_receive_failed", errors->can_receive_failed);
     facts_u64(facts, "can_frames_lost", buses->frames_lost);
     facts_u64(facts, "can_offs", buses->offs);
-    facts_u64(facts, "can_restarts", errors->can_restarts + buses->restarts);
+    facts_u64(facts, "can_restarts", buses->restarts);
     facts_u64(facts, "pwm_failed", errors->pwm_failed);
     const struct linux_jitter edges = rig_devices_jitter(&runner->devices);
     if (edges.count != 0U) {

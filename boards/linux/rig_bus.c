@@ -1,6 +1,5 @@
 #include "rig_bus.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -62,19 +61,78 @@ bool rig_bus_parse(const char *text, struct rig_bus_address *address) {
     return *at == '\0';
 }
 
-// ---------------------------------------------------------------- several as one
+// ---------------------------------------------------------------- one bus
 
-static enum hal_status bus_send(struct rig_bus *bus, const struct hal_clock *clock,
+static void count_restart(struct rig_buses *buses, struct rig_bus *bus, enum hal_status status) {
+    buses->restarts += status == HAL_OK && !bus->restarted;
+    bus->restarted = bus->restarted || status == HAL_OK;
+}
+
+bool rig_bus_is_at_hand(struct rig_buses *buses, struct rig_bus *bus) {
+    if (bus->restart_begun && side_job_is_over(&bus->restart)) {
+        bus->restart_begun = false;
+        count_restart(buses, bus, bus->restart_status);
+    }
+    return !bus->lost && !bus->restart_begun;
+}
+
+static enum hal_status bus_send(struct rig_buses *buses, struct rig_bus *bus,
                                 const struct can_frame *frame) {
     struct rig_bus_condition *condition = &bus->condition;
-    const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_send(bus->hal, frame);
-    if (status == HAL_BUSY && !condition->full) {
-        condition->full_since_us = hal_clock_now_us(clock);
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_ERROR_DOWN;
     }
-    condition->full = status == HAL_BUSY;
-    condition->restarting = condition->restarting && status != HAL_OK;
+    const enum hal_status status = hal_can_send(bus->hal, frame);
+    if (status != HAL_BUSY) {
+        condition->refused = 0;
+    } else if (condition->refused++ == 0U) {
+        condition->refused_since_us = hal_clock_now_us(buses->clock);
+    }
+    bus->restarted = bus->restarted && status != HAL_OK;
     return status;
 }
+
+static enum hal_status bus_receive(struct rig_buses *buses, struct rig_bus *bus,
+                                   struct can_frame *frame, uint32_t *at_us) {
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_EMPTY;
+    }
+    return hal_can_receive(bus->hal, frame, at_us);
+}
+
+static enum hal_status bus_state(struct rig_buses *buses, struct rig_bus *bus,
+                                 struct hal_can_state *state) {
+    if (rig_bus_is_at_hand(buses, bus)) {
+        return hal_can_state(bus->hal, state);
+    }
+    *state = (struct hal_can_state){HAL_CAN_OFF, 256, 0, bus->condition.lost_count};
+    return bus->lost ? HAL_ERROR_GONE : HAL_OK;
+}
+
+static void restart_aside(void *context) {
+    struct rig_bus *bus = context;
+    bus->restart_status = hal_can_restart(bus->hal);
+}
+
+static enum hal_status bus_restart(struct rig_buses *buses, struct rig_bus *bus) {
+    const uint32_t now_us = hal_clock_now_us(buses->clock);
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_OK;
+    }
+    if (bus->address.kind != RIG_BUS_SOCKETCAN) { // the driver only begins it
+        const enum hal_status status = hal_can_restart(bus->hal);
+        count_restart(buses, bus, status);
+        return status;
+    }
+    if (!bus->restart_tried || hal_clock_span_us(bus->restart_us, now_us) >= RIG_BUS_RESTART_US) {
+        bus->restart_tried = true;
+        bus->restart_us = now_us;
+        bus->restart_begun = side_job_start(&bus->restart, restart_aside, bus);
+    }
+    return HAL_OK;
+}
+
+// ---------------------------------------------------------------- several as one
 
 static enum hal_status together_send(void *ctx, const struct can_frame *frame) {
     struct rig_buses *buses = ctx;
@@ -83,10 +141,9 @@ static enum hal_status together_send(void *ctx, const struct can_frame *frame) {
             continue;
         }
         struct rig_bus *bus = buses->bus_of[axis];
-        const enum hal_status status = bus_send(bus, buses->clock, frame);
-        if (status == HAL_ERROR_DOWN && hal_can_restart(bus->hal) == HAL_OK) {
-            buses->restarts += !bus->condition.restarting;
-            bus->condition.restarting = true;
+        const enum hal_status status = bus_send(buses, bus, frame);
+        if (status == HAL_ERROR_DOWN) {
+            (void)bus_restart(buses, bus);
         }
         buses->dropped += status != HAL_OK;
         return HAL_OK;
@@ -98,9 +155,7 @@ static enum hal_status together_receive(void *ctx, struct can_frame *frame, uint
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_EMPTY;
     for (unsigned i = 0; i < buses->count; i++) {
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status =
-            bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
+        const enum hal_status status = bus_receive(buses, &buses->bus[i], frame, at_us);
         if (status == HAL_OK) {
             return HAL_OK;
         }
@@ -114,8 +169,7 @@ static enum hal_status together_state(void *ctx, struct hal_can_state *state) {
     struct hal_can_state sum = {.health = HAL_CAN_ACTIVE};
     for (unsigned i = 0; i < buses->count; i++) {
         struct hal_can_state one;
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, &one);
+        const enum hal_status status = bus_state(buses, &buses->bus[i], &one);
         if (status != HAL_OK) {
             return status;
         }
@@ -140,8 +194,7 @@ static enum hal_status together_restart(void *ctx) {
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_OK;
     for (unsigned i = 0; i < buses->count; i++) {
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
+        const enum hal_status status = bus_restart(buses, &buses->bus[i]);
         worst = status != HAL_OK ? status : worst;
     }
     return worst;
@@ -151,22 +204,22 @@ static enum hal_status together_restart(void *ctx) {
 
 static enum hal_status alone_send(void *ctx, const struct can_frame *frame) {
     struct rig_buses *buses = ctx;
-    return bus_send(&buses->bus[0], buses->clock, frame);
+    return bus_send(buses, &buses->bus[0], frame);
 }
 
 static enum hal_status alone_receive(void *ctx, struct can_frame *frame, uint32_t *at_us) {
-    const struct rig_bus *bus = &((struct rig_buses *)ctx)->bus[0];
-    return bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
+    struct rig_buses *buses = ctx;
+    return bus_receive(buses, &buses->bus[0], frame, at_us);
 }
 
 static enum hal_status alone_state(void *ctx, struct hal_can_state *state) {
-    const struct rig_bus *bus = &((struct rig_buses *)ctx)->bus[0];
-    return bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, state);
+    struct rig_buses *buses = ctx;
+    return bus_state(buses, &buses->bus[0], state);
 }
 
 static enum hal_status alone_restart(void *ctx) {
-    const struct rig_bus *bus = &((struct rig_buses *)ctx)->bus[0];
-    return bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
+    struct rig_buses *buses = ctx;
+    return bus_restart(buses, &buses->bus[0]);
 }
 
 static const struct hal_can_ops alone_ops = {alone_send, alone_receive, alone_state,
@@ -253,6 +306,8 @@ static void close_bus(struct rig_bus *bus) {
     if (bus->hal == NULL) {
         return; // it was never opened
     }
+    side_job_wait(&bus->restart);
+    bus->restart_begun = false;
     if (bus->address.kind == RIG_BUS_SOCKETCAN) {
         linux_can_close(&bus->can);
     } else if (bus->address.kind == RIG_BUS_SLCAN) {
@@ -280,7 +335,7 @@ void rig_buses_close(struct rig_buses *buses) {
 
 // ---------------------------------------------------------------- leaving and coming back
 
-static const struct linux_error *error_of(const struct rig_bus *bus) {
+const struct linux_error *rig_bus_error(const struct rig_bus *bus) {
     return bus->address.kind == RIG_BUS_SOCKETCAN ? &bus->can.error
            : bus->address.kind == RIG_BUS_SLCAN   ? &bus->slcan.error
                                                   : &bus->gs_usb.error;
@@ -290,10 +345,11 @@ const char *rig_buses_newly_lost(struct rig_buses *buses) {
     struct hal_can_state state;
     for (unsigned i = 0; i < buses->count; i++) {
         struct rig_bus *bus = &buses->bus[i];
-        if (!bus->lost && hal_can_state(bus->hal, &state) == HAL_ERROR_GONE) {
+        if (!bus->lost && bus_state(buses, bus, &state) == HAL_ERROR_GONE) {
             bus->lost = true;
+            bus->restarted = false;
             bus->condition = (struct rig_bus_condition){0};
-            buses->error = *error_of(bus);
+            buses->error = *rig_bus_error(bus);
             if (bus->address.kind == RIG_BUS_SLCAN) {
                 linux_slcan_close(&bus->slcan); // else it comes back under another name
             }
@@ -310,120 +366,4 @@ bool rig_buses_incomplete(const struct rig_buses *buses) {
 bool rig_bus_reopen(struct rig_buses *buses, struct rig_bus *bus) {
     close_bus(bus);
     return open_bus(buses, bus) == HAL_OK;
-}
-
-// ---------------------------------------------------------------- news
-
-#define REMEDY "check cable, termination, bit rate and the drives' power"
-
-static bool is_past(uint32_t then_us, uint32_t now_us, uint32_t span_us) {
-    return hal_clock_span_us(then_us, now_us) >= span_us;
-}
-
-/// Takes in what the driver says.
-static void look(struct rig_buses *buses, struct rig_bus *bus) {
-    struct rig_bus_condition *condition = &bus->condition;
-    struct hal_can_state state;
-    if (bus->lost || hal_can_state(bus->hal, &state) != HAL_OK) {
-        return;
-    }
-    if (state.health == HAL_CAN_OFF && condition->health != HAL_CAN_OFF) {
-        condition->went_off = true;
-        buses->offs++;
-    }
-    if (state.health == HAL_CAN_OFF) {
-        condition->off = *error_of(bus); // which may turn into why it can't be restarted
-    }
-    condition->health = state.health;
-    condition->frames_lost += state.lost_count - condition->lost_count;
-    buses->frames_lost += state.lost_count - condition->lost_count;
-    condition->lost_count = state.lost_count;
-}
-
-static enum rig_bus_trouble trouble_of(const struct rig_bus_condition *condition, uint32_t now_us) {
-    if (condition->health == HAL_CAN_OFF || condition->went_off) {
-        return RIG_BUS_OFF;
-    }
-    if (condition->full && is_past(condition->full_since_us, now_us, RIG_BUS_FULL_US)) {
-        return RIG_BUS_FULL;
-    }
-    return condition->health == HAL_CAN_PASSIVE ? RIG_BUS_PASSIVE : RIG_BUS_WELL;
-}
-
-static void describe(const struct rig_bus *bus, enum rig_bus_trouble trouble,
-                     struct linux_error *line) {
-    switch (trouble) {
-    case RIG_BUS_OFF:
-        *line = bus->condition.off;
-        break;
-    case RIG_BUS_FULL:
-        linux_error_set(line, bus->text, "takes no frames, nobody on the bus acknowledges", REMEDY);
-        break;
-    case RIG_BUS_PASSIVE:
-        linux_error_set(line, bus->text, "error-passive, many frames fail", REMEDY);
-        break;
-    default:
-        snprintf(line->line, sizeof line->line, "%s: the bus works again", bus->text);
-        break;
-    }
-}
-
-/// Whether what is wrong with it has changed: the line is in condition->line then.
-static bool trouble_is_new(struct rig_bus *bus, uint32_t now_us, bool *severe) {
-    struct rig_bus_condition *condition = &bus->condition;
-    const enum rig_bus_trouble trouble = trouble_of(condition, now_us);
-    struct linux_error line = {.line = ""};
-    if (trouble == RIG_BUS_WELL && condition->told == RIG_BUS_WELL) {
-        return false;
-    }
-    describe(bus, trouble, &line);
-    const bool same = trouble == condition->told && !condition->went_off &&
-                      strcmp(line.line, condition->line.line) == 0;
-    if (same || (condition->any_told && !is_past(condition->told_us, now_us, RIG_BUS_NEWS_US))) {
-        return false;
-    }
-    condition->went_off = false;
-    condition->any_told = true;
-    condition->told_us = now_us;
-    condition->told = trouble;
-    condition->line = line;
-    *severe = trouble != RIG_BUS_WELL;
-    return true;
-}
-
-static bool loss_is_new(struct rig_bus *bus, uint32_t now_us) {
-    struct rig_bus_condition *condition = &bus->condition;
-    if (condition->frames_lost == condition->lost_told ||
-        (condition->any_lost_told &&
-         !is_past(condition->lost_told_us, now_us, RIG_BUS_LOST_NEWS_US))) {
-        return false;
-    }
-    condition->any_lost_told = true;
-    condition->lost_told_us = now_us;
-    condition->lost_told = condition->frames_lost;
-    return true;
-}
-
-const char *rig_buses_news(struct rig_buses *buses, bool *severe) {
-    const uint32_t now_us = hal_clock_now_us(buses->clock);
-    for (unsigned i = 0; i < buses->count; i++) {
-        look(buses, &buses->bus[i]);
-    }
-    for (unsigned i = 0; i < buses->count; i++) {
-        struct rig_bus *bus = &buses->bus[i];
-        if (bus->lost) {
-            continue;
-        }
-        if (trouble_is_new(bus, now_us, severe)) {
-            return bus->condition.line.line;
-        }
-        if (loss_is_new(bus, now_us)) {
-            snprintf(buses->error.line, sizeof buses->error.line,
-                     "%s: %u frames came damaged, or faster than they were read", bus->text,
-                     (unsigned)bus->condition.frames_lost);
-            *severe = true;
-            return buses->error.line;
-        }
-    }
-    return NULL;
 }

@@ -4,15 +4,20 @@
 
 #include "check.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static struct world {
     uint32_t now_us;
     struct hal_can_state state[RIG_BUSES_MAX];
     enum hal_status send, restart;
-    uint32_t asked_to_restart;
+    atomic_uint asked_to_restart, asked_by_the_loop;
+    atomic_bool held; ///< a restart does not end
 } world;
+static pthread_t loop;
 
 static uint32_t clock_now(void *ctx) {
     (void)ctx;
@@ -43,6 +48,10 @@ static enum hal_status can_filters(void *ctx, const struct hal_can_filter *filte
 static enum hal_status can_restart(void *ctx) {
     (void)ctx;
     world.asked_to_restart++;
+    world.asked_by_the_loop += pthread_equal(pthread_self(), loop) != 0;
+    while (world.held) {
+        usleep(1000);
+    }
     return world.restart;
 }
 
@@ -57,7 +66,8 @@ static struct rig_buses buses;
 /// Near the clock's wrap. One bus for both axes, or one each.
 static void start(unsigned count) {
     static const char *const texts[] = {"can:can0", "can:can1"};
-    world = (struct world){.now_us = UINT32_MAX - 500000U};
+    memset(&world, 0, sizeof world);
+    world.now_us = UINT32_MAX - 500000U;
     CHECK_EQ(hal_clock_bind(&clock_, &clock_ops, NULL), HAL_OK);
     for (unsigned axis = AXIS_PAN; axis <= AXIS_TILT; axis++) {
         rig.controller.axis[axis].drive =
@@ -178,9 +188,19 @@ static void a_full_queue_is_told_when_it_stays_full(void) {
         expect(1, NULL, false);
     }
     world.send = HAL_BUSY;
-    CHECK_EQ(request(0x141), HAL_BUSY);
-    expect(19, NULL, false);
-    CHECK_EQ(request(0x142), HAL_BUSY);
+    for (int i = 0; i < 7; i++) {
+        CHECK_EQ(request(0x141), HAL_BUSY);
+        expect(2, NULL, false);
+    }
+    expect(20, NULL, false); // of a few it is none the worse, however long ago
+    world.send = HAL_OK;
+    CHECK_EQ(request(0x141), HAL_OK);
+    world.send = HAL_BUSY;
+    for (int i = 0; i < 8; i++) {
+        CHECK_EQ(request(0x141), HAL_BUSY);
+        expect(2, NULL, false);
+    }
+    expect(3, NULL, false);
     expect(1, wanted, true);
     world.state[0].health = HAL_CAN_PASSIVE; // less than that
     expect(3000, NULL, false);
@@ -216,27 +236,72 @@ static void each_of_two_has_its_own(void) {
     world.send = HAL_ERROR_DOWN;
     say(1, "can1: bus-off; check it");
     expect(0, "can1: bus-off; check it", true);
-    for (int i = 0; i < 50; i++) {
+    for (int i = 0; i < 350; i++) {       // of a ms
         CHECK_EQ(request(0x142), HAL_OK); // dropped, so that the other goes on
+        side_job_wait(&buses.bus[1].restart);
+        expect(1, NULL, false);
     }
-    CHECK_EQ(world.asked_to_restart, 50);
+    CHECK_EQ((int)world.asked_to_restart, 4);
     CHECK_EQ(buses.restarts, 1);
-    CHECK_EQ(buses.dropped, 50);
+    CHECK_EQ(buses.dropped, 350);
     world.state[0].health = HAL_CAN_OFF;
     say(0, "can0: bus-off; check it");
     expect(0, "can0: bus-off; check it", true);
     world.send = HAL_OK;
     CHECK_EQ(request(0x142), HAL_OK);
     world.send = HAL_ERROR_DOWN;
+    world.now_us += RIG_BUS_RESTART_US;
     CHECK_EQ(request(0x142), HAL_OK);
+    side_job_wait(&buses.bus[1].restart);
+    expect(0, NULL, false);
     CHECK_EQ(buses.restarts, 2);
     world.restart = HAL_ERROR_DENIED;
     CHECK_EQ(request(0x141), HAL_OK);
+    side_job_wait(&buses.bus[0].restart);
+    expect(0, NULL, false);
+    CHECK_EQ((int)world.asked_to_restart, 6);
     CHECK_EQ(buses.restarts, 2);
     CHECK_EQ(buses.offs, 2);
 }
 
+/// The kernel takes its time: meanwhile the bus is off, nothing comes from it, and no call waits.
+static void a_restart_that_blocks_holds_up_nothing(void) {
+    struct can_frame frame;
+    struct hal_can_state state;
+    uint32_t at_us;
+    start(1);
+    world.state[0] = (struct hal_can_state){.health = HAL_CAN_OFF, .lost_count = 7};
+    world.send = HAL_ERROR_DOWN;
+    say(0, "can0: bus-off; check it");
+    expect(0, "can0: bus-off; check it", true);
+    expect(0, "can:can0: 7 frames came damaged, or faster than they were read", true);
+    world.held = true;
+    CHECK_EQ(request(0x141), HAL_ERROR_DOWN);
+    CHECK_EQ(hal_can_restart(&buses.front), HAL_OK);
+    world.state[0] = (struct hal_can_state){.health = HAL_CAN_ACTIVE, .lost_count = 8};
+    world.send = HAL_OK;
+    for (int i = 0; i < 300; i++) {
+        CHECK_EQ(request(0x141), HAL_ERROR_DOWN);
+        CHECK_EQ(hal_can_restart(&buses.front), HAL_OK);
+        CHECK_EQ(hal_can_receive(&buses.front, &frame, &at_us), HAL_EMPTY);
+        CHECK_EQ(hal_can_state(&buses.front, &state), HAL_OK);
+        CHECK_EQ(state.health, HAL_CAN_OFF);
+        CHECK_EQ(state.lost_count, 7);
+        CHECK(rig_buses_newly_lost(&buses) == NULL);
+        world.now_us += 1000;
+    }
+    CHECK_EQ(buses.restarts, 0); // not yet
+    world.held = false;
+    side_job_wait(&buses.bus[0].restart);
+    CHECK_EQ(request(0x141), HAL_OK);
+    CHECK_EQ(buses.restarts, 1);
+    CHECK_EQ((int)world.asked_to_restart, 1);
+    CHECK_EQ((int)world.asked_by_the_loop, 0);
+    expect(1000, "can:can0: the bus works again", false);
+}
+
 int main(void) {
+    loop = pthread_self();
     TEST(a_well_bus_says_nothing);
     TEST(bus_off_and_back);
     TEST(the_remedy_is_told);
@@ -245,5 +310,6 @@ int main(void) {
     TEST(a_full_queue_is_told_when_it_stays_full);
     TEST(lost_frames_are_told_once_in_ten_seconds);
     TEST(each_of_two_has_its_own);
+    TEST(a_restart_that_blocks_holds_up_nothing);
     return check_finish();
 }
