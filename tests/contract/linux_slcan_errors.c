@@ -6,6 +6,7 @@
 #include "linux/linux_clock.h"
 #include "linux/linux_slcan.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -154,6 +155,8 @@ static void damage(const char *text, size_t size, size_t at, char other,
     for (uint32_t i = 0; i < LINES; i++) {
         const bool came = is_among(&sent[i], got, count);
         CHECK(came || i == line || (text[at] == '\r' && i == line + 1U));
+        // a digit may be of either case
+        CHECK(!came || i != line || (isalpha(text[at]) && (text[at] ^ other) == 0x20));
         whole += came;
     }
     for (uint32_t i = 0; i < count; i++) {

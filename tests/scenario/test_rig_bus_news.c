@@ -49,7 +49,7 @@ static enum hal_status can_restart(void *ctx) {
     (void)ctx;
     world.asked_to_restart++;
     world.asked_by_the_loop += pthread_equal(pthread_self(), loop) != 0;
-    while (world.held) {
+    for (int ms = 0; world.held && ms < 10000; ms++) {
         usleep(1000);
     }
     return world.restart;

@@ -452,6 +452,14 @@ static void forbidden(void) {
     nobody_end();
 }
 
+/// A card with restart-ms (can0) leaves bus-off by itself, and refuses to be told to.
+static void restarts_by_itself(void) {
+    reset(&cards);
+    a.state.health = HAL_CAN_OFF;
+    CHECK_EQ(hal_can_restart(&a.hal), HAL_OK);
+    CHECK(a.error.line[0] == '\0');
+}
+
 static const struct linux_can_link *link_of(const struct linux_can_link *links, uint32_t count,
                                             const char *name) {
     for (uint32_t i = 0; i < count; i++) {
@@ -496,5 +504,6 @@ int main(void) {
     TEST(list_tells_what_ip_link_set);
     CONTRACT("linux_can", fails_at_every_step);
     CONTRACT("linux_can", forbidden);
+    TEST(restarts_by_itself);
     return check_finish();
 }
