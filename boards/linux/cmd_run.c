@@ -43,9 +43,12 @@ static void add_by_kind(struct facts *facts, struct runner *runner) {
     }
     const struct pump_errors *errors = &runner->pump->errors;
     facts_u64(facts, "targets", runner->pump->output.status.target_count);
-    facts_u64(facts, "can_send_failed", errors->can_send_failed + runner->devices.buses.dropped);
+    const struct rig_buses *buses = &runner->devices.buses;
+    facts_u64(facts, "can_send_failed", errors->can_send_failed + buses->dropped);
     facts_u64(facts, "can_receive_failed", errors->can_receive_failed);
-    facts_u64(facts, "can_restarts", errors->can_restarts);
+    facts_u64(facts, "can_frames_lost", buses->frames_lost);
+    facts_u64(facts, "can_offs", buses->offs);
+    facts_u64(facts, "can_restarts", buses->restarts);
     facts_u64(facts, "pwm_failed", errors->pwm_failed);
     const struct linux_jitter edges = rig_devices_jitter(&runner->devices);
     if (edges.count != 0U) {

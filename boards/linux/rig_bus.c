@@ -61,6 +61,77 @@ bool rig_bus_parse(const char *text, struct rig_bus_address *address) {
     return *at == '\0';
 }
 
+// ---------------------------------------------------------------- one bus
+
+static void count_restart(struct rig_buses *buses, struct rig_bus *bus, enum hal_status status) {
+    buses->restarts += status == HAL_OK && !bus->restarted;
+    bus->restarted = bus->restarted || status == HAL_OK;
+}
+
+bool rig_bus_is_at_hand(struct rig_buses *buses, struct rig_bus *bus) {
+    if (bus->restart_begun && side_job_is_over(&bus->restart)) {
+        bus->restart_begun = false;
+        count_restart(buses, bus, bus->restart_status);
+    }
+    return !bus->lost && !bus->restart_begun;
+}
+
+static enum hal_status bus_send(struct rig_buses *buses, struct rig_bus *bus,
+                                const struct can_frame *frame) {
+    struct rig_bus_condition *condition = &bus->condition;
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_ERROR_DOWN;
+    }
+    const enum hal_status status = hal_can_send(bus->hal, frame);
+    if (status != HAL_BUSY) {
+        condition->refused = 0;
+    } else if (condition->refused++ == 0U) {
+        condition->refused_since_us = hal_clock_now_us(buses->clock);
+    }
+    bus->restarted = bus->restarted && status != HAL_OK;
+    return status;
+}
+
+static enum hal_status bus_receive(struct rig_buses *buses, struct rig_bus *bus,
+                                   struct can_frame *frame, uint32_t *at_us) {
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_EMPTY;
+    }
+    return hal_can_receive(bus->hal, frame, at_us);
+}
+
+static enum hal_status bus_state(struct rig_buses *buses, struct rig_bus *bus,
+                                 struct hal_can_state *state) {
+    if (rig_bus_is_at_hand(buses, bus)) {
+        return hal_can_state(bus->hal, state);
+    }
+    *state = (struct hal_can_state){HAL_CAN_OFF, 256, 0, bus->condition.lost_count};
+    return bus->lost ? HAL_ERROR_GONE : HAL_OK;
+}
+
+static void restart_aside(void *context) {
+    struct rig_bus *bus = context;
+    bus->restart_status = hal_can_restart(bus->hal);
+}
+
+static enum hal_status bus_restart(struct rig_buses *buses, struct rig_bus *bus) {
+    const uint32_t now_us = hal_clock_now_us(buses->clock);
+    if (!rig_bus_is_at_hand(buses, bus)) {
+        return bus->lost ? HAL_ERROR_GONE : HAL_OK;
+    }
+    if (bus->address.kind != RIG_BUS_SOCKETCAN) { // the driver only begins it
+        const enum hal_status status = hal_can_restart(bus->hal);
+        count_restart(buses, bus, status);
+        return status;
+    }
+    if (!bus->restart_tried || hal_clock_span_us(bus->restart_us, now_us) >= RIG_BUS_RESTART_US) {
+        bus->restart_tried = true;
+        bus->restart_us = now_us;
+        bus->restart_begun = side_job_start(&bus->restart, restart_aside, bus);
+    }
+    return HAL_OK;
+}
+
 // ---------------------------------------------------------------- several as one
 
 static enum hal_status together_send(void *ctx, const struct can_frame *frame) {
@@ -69,10 +140,10 @@ static enum hal_status together_send(void *ctx, const struct can_frame *frame) {
         if (frame->id != buses->request_id[axis]) {
             continue;
         }
-        const struct rig_bus *bus = buses->bus_of[axis];
-        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_send(bus->hal, frame);
+        struct rig_bus *bus = buses->bus_of[axis];
+        const enum hal_status status = bus_send(buses, bus, frame);
         if (status == HAL_ERROR_DOWN) {
-            (void)!hal_can_restart(bus->hal);
+            (void)bus_restart(buses, bus);
         }
         buses->dropped += status != HAL_OK;
         return HAL_OK;
@@ -84,9 +155,7 @@ static enum hal_status together_receive(void *ctx, struct can_frame *frame, uint
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_EMPTY;
     for (unsigned i = 0; i < buses->count; i++) {
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status =
-            bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
+        const enum hal_status status = bus_receive(buses, &buses->bus[i], frame, at_us);
         if (status == HAL_OK) {
             return HAL_OK;
         }
@@ -100,8 +169,7 @@ static enum hal_status together_state(void *ctx, struct hal_can_state *state) {
     struct hal_can_state sum = {.health = HAL_CAN_ACTIVE};
     for (unsigned i = 0; i < buses->count; i++) {
         struct hal_can_state one;
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, &one);
+        const enum hal_status status = bus_state(buses, &buses->bus[i], &one);
         if (status != HAL_OK) {
             return status;
         }
@@ -126,8 +194,7 @@ static enum hal_status together_restart(void *ctx) {
     struct rig_buses *buses = ctx;
     enum hal_status worst = HAL_OK;
     for (unsigned i = 0; i < buses->count; i++) {
-        const struct rig_bus *bus = &buses->bus[i];
-        const enum hal_status status = bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
+        const enum hal_status status = bus_restart(buses, &buses->bus[i]);
         worst = status != HAL_OK ? status : worst;
     }
     return worst;
@@ -136,23 +203,23 @@ static enum hal_status together_restart(void *ctx) {
 // One alone is itself, as long as it is there.
 
 static enum hal_status alone_send(void *ctx, const struct can_frame *frame) {
-    const struct rig_bus *bus = ctx;
-    return bus->lost ? HAL_ERROR_GONE : hal_can_send(bus->hal, frame);
+    struct rig_buses *buses = ctx;
+    return bus_send(buses, &buses->bus[0], frame);
 }
 
 static enum hal_status alone_receive(void *ctx, struct can_frame *frame, uint32_t *at_us) {
-    const struct rig_bus *bus = ctx;
-    return bus->lost ? HAL_ERROR_GONE : hal_can_receive(bus->hal, frame, at_us);
+    struct rig_buses *buses = ctx;
+    return bus_receive(buses, &buses->bus[0], frame, at_us);
 }
 
 static enum hal_status alone_state(void *ctx, struct hal_can_state *state) {
-    const struct rig_bus *bus = ctx;
-    return bus->lost ? HAL_ERROR_GONE : hal_can_state(bus->hal, state);
+    struct rig_buses *buses = ctx;
+    return bus_state(buses, &buses->bus[0], state);
 }
 
 static enum hal_status alone_restart(void *ctx) {
-    const struct rig_bus *bus = ctx;
-    return bus->lost ? HAL_ERROR_GONE : hal_can_restart(bus->hal);
+    struct rig_buses *buses = ctx;
+    return bus_restart(buses, &buses->bus[0]);
 }
 
 static const struct hal_can_ops alone_ops = {alone_send, alone_receive, alone_state,
@@ -204,8 +271,8 @@ bool rig_buses_find(struct rig_buses *buses, const struct rig *rig, const struct
         buses->bus_of[axis] = bus;
         buses->request_id[axis] = REQUEST_IDS + drive->rmd.id;
     }
-    return buses->count == 1U ? hal_can_bind(&buses->front, &alone_ops, &buses->bus[0]) == HAL_OK
-                              : hal_can_bind(&buses->front, &together_ops, buses) == HAL_OK;
+    return hal_can_bind(&buses->front, buses->count == 1U ? &alone_ops : &together_ops, buses) ==
+           HAL_OK;
 }
 
 // ---------------------------------------------------------------- opening
@@ -239,6 +306,8 @@ static void close_bus(struct rig_bus *bus) {
     if (bus->hal == NULL) {
         return; // it was never opened
     }
+    side_job_wait(&bus->restart);
+    bus->restart_begun = false;
     if (bus->address.kind == RIG_BUS_SOCKETCAN) {
         linux_can_close(&bus->can);
     } else if (bus->address.kind == RIG_BUS_SLCAN) {
@@ -266,15 +335,21 @@ void rig_buses_close(struct rig_buses *buses) {
 
 // ---------------------------------------------------------------- leaving and coming back
 
+const struct linux_error *rig_bus_error(const struct rig_bus *bus) {
+    return bus->address.kind == RIG_BUS_SOCKETCAN ? &bus->can.error
+           : bus->address.kind == RIG_BUS_SLCAN   ? &bus->slcan.error
+                                                  : &bus->gs_usb.error;
+}
+
 const char *rig_buses_newly_lost(struct rig_buses *buses) {
     struct hal_can_state state;
     for (unsigned i = 0; i < buses->count; i++) {
         struct rig_bus *bus = &buses->bus[i];
-        if (!bus->lost && hal_can_state(bus->hal, &state) == HAL_ERROR_GONE) {
+        if (!bus->lost && bus_state(buses, bus, &state) == HAL_ERROR_GONE) {
             bus->lost = true;
-            buses->error = bus->address.kind == RIG_BUS_SOCKETCAN ? bus->can.error
-                           : bus->address.kind == RIG_BUS_SLCAN   ? bus->slcan.error
-                                                                  : bus->gs_usb.error;
+            bus->restarted = false;
+            bus->condition = (struct rig_bus_condition){0};
+            buses->error = *rig_bus_error(bus);
             if (bus->address.kind == RIG_BUS_SLCAN) {
                 linux_slcan_close(&bus->slcan); // else it comes back under another name
             }

@@ -222,6 +222,11 @@ static void mend(struct runner *runner) {
 static void look_after_devices(struct runner *runner) {
     if (runner->sim == NULL) {
         rig_devices_tick(&runner->devices);
+        bool severe = false;
+        const char *news = rig_buses_news(&runner->devices.buses, &severe);
+        if (news != NULL) {
+            runner_tell(runner, severe, "device", "%s", news);
+        }
         const char *lost = rig_devices_newly_lost(&runner->devices);
         if (lost != NULL) {
             runner_tell(runner, true, "device", "%s", lost);

@@ -23,6 +23,7 @@ bool pump_init(struct pump *pump, struct controller *controller,
     pump->pan_set = pump->input.pan_set = false;
     pump->input.frame_count = pump->input.update_count = 0;
     pump->errors = (struct pump_errors){0};
+    pump->can_restarting = false;
     pump->output = (struct controller_output){0};
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         pump->pulse_ns[axis] = PULSE_UNKNOWN;
@@ -138,11 +139,13 @@ static void write_frames(struct pump *pump) {
     for (uint32_t i = 0; i < output->frame_count; i++) {
         const enum hal_status status = hal_can_send(pump->devices.can, &output->frame[i]);
         if (status == HAL_OK) {
+            pump->can_restarting = false;
             continue;
         }
         pump->errors.can_send_failed++;
         if (status == HAL_ERROR_DOWN && hal_can_restart(pump->devices.can) == HAL_OK) {
-            pump->errors.can_restarts++;
+            pump->errors.can_restarts += !pump->can_restarting;
+            pump->can_restarting = true;
         }
         return; // what follows would only be later than it is
     }

@@ -29,7 +29,7 @@ struct pump_devices {
 struct pump_errors {
     uint32_t can_send_failed; ///< ticks that could not send all their frames; the rest is dropped
     uint32_t can_receive_failed;
-    uint32_t can_restarts;    ///< how often a bus that is off was told to restart, and took it
+    uint32_t can_restarts;    ///< how often a bus that was off began to restart
     uint32_t pwm_failed;      ///< a pulse that fails is written again in the next tick
     uint32_t updates_dropped; ///< more came between two ticks than PUMP_UPDATES_MAX
 };
@@ -61,6 +61,7 @@ struct pump {
     struct controller_input input;   ///< of the last tick, for a recorder
     struct controller_output output; ///< of the last tick
     struct pump_errors errors;
+    bool can_restarting; ///< it has taken no frame since
 };
 
 /// Returns false if a device that the controller's drives need is missing.

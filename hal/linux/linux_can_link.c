@@ -339,7 +339,8 @@ enum hal_status linux_can_link_restart(int socket, int index, const char *name, 
     }
     switch (error_number) {
     case 0:
-    case EBUSY: // no longer bus-off
+    case EBUSY:  // no longer bus-off
+    case EINVAL: // restart-ms is set: the kernel does it by itself
         return HAL_OK;
     case EPERM:
         return explain_denied(name, error);

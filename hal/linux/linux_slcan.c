@@ -169,9 +169,11 @@ static void take_refusal(struct linux_slcan *slcan) {
     }
 }
 
+/// One that can't be read has been damaged on the way, and may have been a frame.
 static void take_line(struct linux_slcan *slcan) {
     const char *line = slcan->line;
     const size_t size = slcan->line_size;
+    const bool fits = size < sizeof slcan->line;
     struct can_frame frame;
     uint32_t flags;
     slcan->line_size = 0;
@@ -179,17 +181,21 @@ static void take_line(struct linux_slcan *slcan) {
         slcan->refusals = 0; // a command was obeyed
     } else if (size == 3U && line[0] == 'F' && read_hex(line + 1, 2, &flags)) {
         take_flags(slcan, flags);
-    } else if (strchr("tTrR", line[0]) != NULL && size < sizeof slcan->line &&
-               read_frame(line, size, &frame)) {
+    } else if (fits && memchr("tTrR", line[0], 4) != NULL && read_frame(line, size, &frame)) {
         enqueue(slcan, &frame);
+    } else {
+        slcan->state.lost_count += slcan->in_step;
     }
 }
 
 static void take_byte(struct linux_slcan *slcan, uint8_t byte) {
     if (byte == '\r') {
         take_line(slcan);
+        slcan->in_step = true;
     } else if (byte == '\a') {
+        slcan->state.lost_count += slcan->line_size > 0U && slcan->in_step;
         slcan->line_size = 0;
+        slcan->in_step = true;
         take_refusal(slcan);
     } else if (slcan->line_size < sizeof slcan->line) { // a line that fills it is none of ours
         slcan->line[slcan->line_size++] = (char)byte;

@@ -6,8 +6,13 @@
 /// are stand-ins. An adapter that answers the flags command (F) is asked four times a second; 32
 /// refusals in a row are taken for bus-off, and restart closes and opens its channel.
 /// Filters are applied here.
+///
+/// A serial line may damage what it carries, and the protocol has no check sum. What can't be read
+/// is dropped up to the next carriage return, where lines begin anew, and counted as lost; a digit
+/// that became another digit goes unnoticed.
 /// Shown: tests/contract/linux_slcan.c (the contract suite, between two adapters on
-/// pseudo-terminals, with each system call failing).
+/// pseudo-terminals, with each system call failing), tests/contract/linux_slcan_errors.c
+/// (`a_wrong_byte_costs_its_line`).
 #ifndef HAL_LINUX_SLCAN_H
 #define HAL_LINUX_SLCAN_H
 
@@ -41,6 +46,7 @@ struct linux_slcan {
     } received[LINUX_SLCAN_QUEUE];
     char line[40]; ///< that is being read
     size_t line_size;
+    bool in_step;                       ///< where lines begin is known
     uint8_t out[LINUX_SLCAN_OUT_BYTES]; ///< not yet taken by the port
     size_t out_size;
     uint32_t refusals; ///< in a row

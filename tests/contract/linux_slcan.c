@@ -119,6 +119,7 @@ static void text_that_is_received(void) {
     slcan_adapter_say(&a, bad, sizeof bad - 1U);
     settle(NULL);
     CHECK_EQ(hal_can_receive(&a.port.hal, &got, &at_us), HAL_EMPTY);
+    CHECK_EQ(a.port.state.lost_count, 16); // all but the empty lines
     slcan_adapter_say(&a, good, sizeof good - 1U);
     settle(NULL);
     const struct can_frame wanted[] = {

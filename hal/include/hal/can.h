@@ -36,7 +36,8 @@ struct hal_can_state {
     uint16_t transmit_error_count;
     /// 0 to 255, with the same stand-ins.
     uint16_t receive_error_count;
-    /// Frames that arrived while the receive queue was full, since the device was opened. Wraps.
+    /// Frames that arrived while the receive queue was full, or damaged where that shows, since the
+    /// device was opened. Wraps.
     uint32_t lost_count;
 };
 

@@ -1,5 +1,5 @@
-# `boresight run` on a gs_usb adapter that it drives itself, against the simulator's drives behind the kernel's own driver
-# of another adapter on the same bus; and with each axis on a bus of its own.
+# `boresight run` on a gs_usb adapter by the kernel's driver, and on one that it drives itself, against the simulator's drives behind the kernel's
+# driver of another adapter on the same bus; and with each axis on a bus of its own.
 . tests/vm/guest/check.sh
 load -a vcan can_raw vhci-hcd gs_usb
 boresight=$VM_TESTS/gcc/boresight
@@ -7,7 +7,7 @@ work=$(mktemp -d)
 # Slow ticks and long patience: the emulated machine has no real time.
 rig() { # PAN-BUS TILT-BUS
     awk -v pan="$1" -v tilt="$2" '/^bus = / { print "bus = " (seen++ ? tilt : pan); next } { print }' host-sim/rigs/studio.ini |
-        sed 's/^silence_ms.*/silence_ms = 2000/; s/^watchdog_ms.*/watchdog_ms = 0/; s/^heading_deg.*/heading_deg = 0/'
+        sed 's/^silence_ms.*/silence_ms = 2000\nfollow_error_ms = 10000/; s/^watchdog_ms.*/watchdog_ms = 0/; s/^heading_deg.*/heading_deg = 0/'
     printf '\n[controller]\ntick_us = 10000\n'
 }
 rig fake fake >"$work/sim.ini"
@@ -73,13 +73,15 @@ verdict buses.requests_go_to_their_bus_only $? "$work/serve0.json" "$work/serve1
 ip link del vcan0
 ip link del vcan1
 
-# ---------------------------------------------------------------- gs_usb by libusb, and by the kernel
+# ---------------------------------------------------------------- two adapters
 rig gs_usb:0001 gs_usb:0001 >"$work/rig.ini"
 start
 wait $runner
 [ $? -eq 4 ] && says 'CAN adapter 0001: no such USB device; is it plugged in? '
 verdict buses.no_adapter_is_status_4 $? "$work/run.err"
-"$VM_TESTS/gcc/tests/vm/plug_candles" &
+mkfifo "$work/words"
+exec 8<>"$work/words"
+"$VM_TESTS/gcc/tests/vm/plug_candles" <"$work/words" &
 candles=$!
 interfaces() { set -- /sys/bus/usb/drivers/gs_usb/*/net/*; [ -e "$1" ] && [ $# -eq "$count" ]; }
 count=2
@@ -87,26 +89,118 @@ until_true 30 interfaces
 "$boresight" probe >"$work/probe"
 grep -q '^usb .* bus = gs_usb:0001 ' "$work/probe" && grep -q '^usb .* bus = gs_usb:0002 ' "$work/probe"
 verdict buses.probe_lists_adapters $? "$work/probe"
+ours=
 peer=
 for folder in /sys/bus/usb/drivers/gs_usb/*/net/*; do
-    [ "$(cat "$(readlink -f "$folder/device/..")/serial")" = 0002 ] && peer=${folder##*/}
+    case $(cat "$(readlink -f "$folder/device/..")/serial") in
+    0001) ours=${folder##*/} ;;
+    0002) peer=${folder##*/} ;;
+    esac
 done
 ip link set "$peer" up type can bitrate 1000000
+
+# ---------------------------------------------------------------- the kernel's driver, and a bus that fails
+# A short queue is full as soon as the adapter holds its ten frames back. Half as many ticks: two adapters take much of the emulated processors,
+# and a queue that was full once stays so if they can't keep up.
+ip link set "$ours" txqueuelen 4 up type can bitrate 1000000
+rig "can:$ours" "can:$ours" | sed 's/^tick_us.*/tick_us = 20000/' >"$work/rig.ini"
+"$boresight" sim "$work/served.ini" --serve "can:$peer" --state 0.2 --json >"$work/truth" 2>"$work/serve0.err" &
+server=$!
+until_true 60 test -s "$work/truth"
+mkfifo "$work/aims"
+exec 7<>"$work/aims"
+aim() { # PAN_DEG TILT_DEG: from now on
+    wanted="$1 $2"
+    awk -v p="$1" -v t="$2" 'BEGIN { r = atan2(0, -1) / 180
+        printf "{\"id\": 1, \"dir\": [%.6f, %.6f, %.6f]}\n", sin(p * r) * cos(t * r), cos(p * r) * cos(t * r), sin(t * r) }' >&7
+}
+# The drives' own place, as the simulator knows it.
+arrives() {
+    tail -n 1 "$work/truth" | awk -F '"pan_deg": |, "tilt_deg": ' -v wanted="$wanted" '{ split(wanted, w, " "); x = $2 - w[1]; y = $3 - w[2] }
+        END { exit !(NF == 3 && x * x + y * y < 0.01) }'
+}
+arms_and_arrives() {
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        kill -USR1 $runner
+        until_true 3 arrives && return 0
+    done
+    return 1
+}
+works_again() { until_true 60 says "can:$ours: the bus works again" $((again = again + 1)); }
+now_ms() { awk '{ print int($1 * 1000) }' /proc/uptime; }
+again=0
+watched "$boresight" run "$work/rig.ini" --json --arm --stay --targets "$work/aims" >"$work/run.json" 2>"$work/run.err" &
+runner=$!
+aim 20 10
+until_true 60 arrives
+verdict buses.aims_by_the_kernels_gs_usb $? "$work/run.err" "$work/truth"
+
+began=$(now_ms)
+echo hold >&8
+until_true 60 says "can:$ours: takes no frames, nobody on the bus acknowledges; check cable, termination, bit rate and the drives' power"
+full=$?
+echo carry >&8
+[ $full -eq 0 ] && works_again
+verdict buses.tells_of_a_queue_that_is_full $? "$work/run.err"
+took=$(($(now_ms) - began))
+if says 'run: faulted' && [ $took -gt 1900 ]; then
+    echo "SKIP vm.buses.goes_on_when_it_drains: nothing crossed the bus for up to $took ms, of 2000 that are allowed"
+else
+    aim -10 5
+    until_true 60 arrives && ! says 'run: faulted'
+    verdict buses.goes_on_when_it_drains $? "$work/run.err" "$work/truth"
+fi
+faults=$(grep -c 'run: faulted' "$work/run.err")
+echo hold >&8
+until_true 60 says 'run: faulted: [a-z]*: a drive does not answer' $((faults + 1))
+verdict buses.drives_fall_silent_when_it_stays_full $? "$work/run.err"
+aim 15 -5
+echo carry >&8
+works_again && arms_and_arrives
+verdict buses.aims_when_it_has_drained $? "$work/run.err" "$work/truth"
+
+echo passive >&8
+until_true 60 says "can:$ours: error-passive, many frames fail; check cable, termination, bit rate and the drives' power" &&
+    ip -details link show "$ours" | grep -q 'can .*state ERROR-PASSIVE'
+verdict buses.tells_of_error_passive $? "$work/run.err"
+echo active >&8
+works_again
+verdict buses.tells_that_it_is_over $? "$work/run.err"
+
+echo off >&8
+until_true 60 says "$ours: bus-off; check cable, termination and bit rate; it is restarted"
+verdict buses.tells_of_bus_off $? "$work/run.err"
+aim -25 20
+works_again && arms_and_arrives
+verdict buses.aims_after_bus_off $? "$work/run.err" "$work/truth"
+! says 'has gone' && ! says 'has left'
+verdict buses.none_of_this_is_a_lost_device $? "$work/run.err"
+kill -INT $runner
+wait $runner
+[ $? -eq 0 ] && [ "$(fact "$work/run.json" can_offs)" = 1 ] && [ "$(fact "$work/run.json" can_restarts)" = 1 ] &&
+    [ "$(fact "$work/run.json" can_send_failed)" -gt 2 ] && [ "$(fact "$work/run.json" can_frames_lost)" = 0 ]
+verdict buses.counts_what_failed $? "$work/run.err" "$work/run.json"
+kill -INT $server
+wait $server
+ip link set "$ours" down
+
+# ---------------------------------------------------------------- gs_usb by libusb
+rig gs_usb:0001 gs_usb:0001 >"$work/rig.ini"
 serve 0 "$peer"
 timeout 600 candump -L "$peer" >"$work/candump" &
 witness=$!
 start --stay
 until_true 60 says 'run: tracking'
 verdict buses.runs_on_gs_usb $? "$work/run.err"
-kill -USR2 $candles
+echo off >&8
 sleep 1
 arm_until 'run: tracking' 1
 verdict buses.survives_bus_off $? "$work/run.err"
 before=$(grep -c 'run: tracking' "$work/run.err")
-kill -USR1 $candles
+echo unplug >&8
 until_true 60 says 'CAN adapter 0001: the \(device\|adapter\) has left; plug it in again'
 verdict buses.tells_that_the_adapter_has_left $? "$work/run.err"
-kill -USR1 $candles
+echo plug >&8
 until_true 60 says 'all devices are there again' && arm_until 'run: tracking' $((before + 1))
 verdict buses.opens_the_adapter_again $? "$work/run.err"
 end_run

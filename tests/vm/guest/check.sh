@@ -31,9 +31,10 @@ end_serve() {
     wait $server
 }
 
-# record INTERFACE: candump writes what is on it to $work/candump, from when this returns; end_record: until all of it is there.
+# record INTERFACE: candump writes what is on it to $work/candump, from when this returns, however slow the
+# machine; end_record: until all of it is there.
 record() {
-    timeout 600 candump -L "$1" >"$work/candump" &
+    timeout 600 candump -L -r 16777216 "$1" >"$work/candump" &
     witness=$!
     until_true 60 listens "$1"
 }

@@ -136,12 +136,12 @@ verdict loop.aims_when_the_interface_is_back $? "$work/run.err" "$work/truth"
 # An error frame that says bus-off, as a card's driver hands it to every listener: the interface is restarted, here by being taken down and up.
 cansend $ours 20000040#0000000000000000
 lamp 7 -3
-comes_back
+comes_back && says "$ours: bus-off; check cable, termination and bit rate; it is restarted"
 verdict loop.aims_after_bus_off $? "$work/run.err" "$work/truth"
 
 ip link set $ours down
 lamp -3 5
-until_true 30 holds
+until_true 30 holds && says "$ours: the interface was taken down; sudo ip link set $ours up"
 verdict loop.holds_while_the_interface_is_down $? "$work/run.err" "$work/truth"
 ip link set $ours up
 comes_back

@@ -4,65 +4,78 @@
 load -a vcan can_raw
 boresight=$VM_TESTS/gcc/boresight
 work=$(mktemp -d)
-# Slow ticks and long patience: the emulated machine has no real time.
+# Slow ticks and long patience: the emulated machine has no real time. Little jerk, so that it shows between two commands.
 {
-    sed 's/^bus = fake/bus = can:vcan0/; s/^silence_ms.*/silence_ms = 400/; s/^watchdog_ms.*/watchdog_ms = 0/
+    sed 's/^bus = fake/bus = can:vcan0/; s/^jerk_max_dps3.*/jerk_max_dps3 = 1000/; s/^silence_ms.*/silence_ms = 2000\nfollow_error_ms = 10000/; s/^watchdog_ms.*/watchdog_ms = 0/
         s/^heading_deg.*/heading_deg = 0/' \
         host-sim/rigs/studio.ini
-    printf '\n[controller]\ntick_us = 4000\n'
+    printf '\n[controller]\ntick_us = 10000\n'
 } >"$work/rig.ini"
-printf '[scenario]\nname = served\nrig = rig.ini\nseconds = 1\ntick_us = 4000\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
+printf '[scenario]\nname = served\nrig = rig.ini\nseconds = 1\ntick_us = 10000\nstart_deg = 12.34, -5.67\n\n[targets]\nfile = none.jsonl\n' >"$work/served.ini"
 : >"$work/none.jsonl"
-# Three points whose cone's axis has a closed form: the middle of the two outer ones.
+# Three points so far off that both axes reach their greatest speed on the way.
 cat >"$work/targets.jsonl" <<'END'
-{"t_us": 0, "id": 1, "dir": [0.5, 0.8, 0.2]}
-{"t_us": 0, "id": 2, "dir": [0.1, 0.9, 0.1]}
-{"t_us": 0, "id": 3, "dir": [0.3, 0.8, 0.15]}
+{"t_us": 0, "id": 1, "dir": [0.75, 0.35, 0.6]}
+{"t_us": 0, "id": 2, "dir": [0.7, 0.1, 0.7]}
+{"t_us": 0, "id": 3, "dir": [0.7, 0.2, 0.65]}
 END
 sed 's/.*\[\(.*\)\].*/\1/; s/,//g' "$work/targets.jsonl" >"$work/points"
 
 bus_up() { ip link add dev vcan0 type vcan && ip link set vcan0 up; }
-# fact FILE NAME: a value of the one JSON object.
-fact() { sed -n "s/.*\"$2\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$1"; }
+# fact FILE NAME: a value of the last JSON object.
+fact() { sed -n "s/.*\"$2\": \"\{0,1\}\([^,\"}]*\).*/\1/p" "$1" | tail -n 1; }
 # near A B TOLERANCE
 near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN { d = a - b; exit !(a != "" && b != "" && d <= t && -d <= t) }'; }
-drive() { # ARGUMENT...
-    "$boresight" run "$work/rig.ini" --json --log "$work/log" "$@" >"$work/run.json" 2>"$work/run.err"
+drive() { # ARGUMENT...: in the place of this shell: give it an `&`, or brackets
+    exec "$boresight" run "$work/rig.ini" --json --log "$work/log" "$@" >"$work/run.json" 2>"$work/run.err"
 }
 
 # ---------------------------------------------------------------- the closed loop, and its witnesses
-drive --seconds 1
+(drive --seconds 1)
 [ $? -eq 4 ] && grep -q 'vcan0: no such interface; ' "$work/run.err"
 verdict run.no_interface_is_status_4 $? "$work/run.err"
 bus_up
 record vcan0
-timeout 600 python3 tests/vm/guest/witness.py vcan0 >"$work/python" 2>&1 &
+timeout 600 python3 tests/vm/guest/witness.py listen vcan0 "$work/heard" >"$work/python" 2>&1 &
 python=$!
 until_true 200 grep -q listening "$work/python"
 serve
-drive --arm --targets "$work/targets.jsonl" --seconds 5
+"$boresight" aim --json "$work/points" >"$work/aim.json"
+aims() { # FILE TOLERANCE
+    near "$(fact "$1" pan_deg)" "$(fact "$work/aim.json" pan_deg)" "$2" && near "$(fact "$1" tilt_deg)" "$(fact "$work/aim.json" tilt_deg)" "$2"
+}
+arrived() { # and has stood there for a while, on the loop's own clock
+    aims "$work/run.json" 0.05 && awk -v t="$(fact "$work/run.json" t_s)" 'BEGIN { exit !(t > 5) }'
+}
+drive --arm --targets "$work/targets.jsonl" --state 0.5 &
+runner=$!
+until_true 60 arrived
+kill -INT $runner
+wait $runner
 status=$?
+kill $python
+wait $python
+listened=$?
 end_serve
 served=$?
 end_record
-kill $python
-wait $python
 # Setpoints that the machine held up come all at once, and a drive that makes up for them turns faster than the rig allows. Then only that
 # is let pass, and by name.
 held_up=
-if [ "$(fact "$work/run.json" late_us_max)" -gt 20000 ] && ! grep 'invariant violated' "$work/serve.err" | grep -qv 'I2 rates'; then
-    held_up="the machine stood still for $(fact "$work/run.json" late_us_max) us"
+late_us=$(printf '%s\n' "$(fact "$work/run.json" late_us_max)" "$(fact "$work/serve.json" late_us_max)" | sort -n | tail -n 1)
+if [ "$late_us" -gt 20000 ] && ! grep 'invariant violated' "$work/serve.err" | grep -qv 'I2 rates'; then
+    held_up="the machine stood still for $late_us us"
 fi
 [ $status -eq 0 ] && { [ $served -eq 0 ] || [ -n "$held_up" ]; }
 verdict run.closed_loop_ends_well $? "$work/run.err" "$work/serve.err" "$work/run.json"
-"$boresight" aim --json "$work/points" >"$work/aim.json"
 for axis in pan_deg tilt_deg; do
     wanted=$(fact "$work/aim.json" $axis)
     near "$(fact "$work/run.json" $axis)" "$wanted" 0.05 && near "$(fact "$work/serve.json" $axis)" "$wanted" 0.05
     verdict run.closed_loop_aims_$axis $? "$work/aim.json" "$work/run.json" "$work/serve.json"
-    near "$(fact "$work/python" $axis)" "$wanted" 0.02
-    verdict run.python_can_saw_$axis $? "$work/python"
 done
+python3 tests/vm/guest/witness.py judge "$work/heard" "$work/candump" "$work/rig.ini" "$work/targets.jsonl" "$work/run.json" 2>"$work/judge.err" &&
+    [ $listened -eq 0 ]
+verdict run.python_can_judges_all $? "$work/python" "$work/judge.err"
 [ "$(fact "$work/serve.json" frames_lost)" = 0 ]
 verdict run.plant_lost_no_frame $? "$work/serve.json"
 if [ "$(fact "$work/serve.json" violations)" != 0 ] && [ -n "$held_up" ]; then
@@ -76,7 +89,7 @@ seen() { grep -c " $1" "$work/candump"; }
 requests=$(($(seen '14[12]#')))
 replies=$(($(seen '24[12]#')))
 [ "$requests" -eq "$(fact "$work/serve.json" frames_in)" ] && [ "$replies" -eq "$(fact "$work/serve.json" frames_out)" ] &&
-    [ "$requests" -gt 200 ]
+    [ "$requests" -gt 100 ]
 verdict run.candump_saw_every_frame $? "$work/serve.json"
 ! grep -vqE ' (14|24)[12]#[0-9A-F]{16}$' "$work/candump"
 verdict run.candump_saw_nothing_else $?
@@ -89,7 +102,7 @@ grep -q '"event": "mode", "text": "tracking"' "$work/log"
 verdict run.log_tells_the_mode $? "$work/log"
 
 # ---------------------------------------------------------------- drives and interface that fail
-drive --arm --seconds 20
+(drive --arm --seconds 20)
 [ $? -eq 4 ] && grep -q 'can:vcan0: drive 1 does not answer' "$work/run.err"
 verdict run.silent_drives_at_the_start_are_status_4 $? "$work/run.err"
 
