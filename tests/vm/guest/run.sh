@@ -40,6 +40,9 @@ timeout 600 python3 tests/vm/guest/witness.py listen vcan0 "$work/heard" >"$work
 python=$!
 until_true 200 grep -q listening "$work/python"
 serve
+all_listen() { [ "$(grep -c ' vcan0 .*raw' /proc/net/can/rcvlist_all)" -eq 3 ]; } # so that the first request is answered, too
+until_true 60 all_listen
+verdict run.both_witnesses_and_the_drives_listen $?
 "$boresight" aim --json "$work/points" >"$work/aim.json"
 aims() { # FILE TOLERANCE
     near "$(fact "$1" pan_deg)" "$(fact "$work/aim.json" pan_deg)" "$2" && near "$(fact "$1" tilt_deg)" "$(fact "$work/aim.json" tilt_deg)" "$2"
