@@ -3,7 +3,7 @@
 # A unit test runs in all variants; the others where they say something new: once with gcc, and (tests of
 # readers, contracts and scenarios, which touch the most memory) once with the sanitizers.
 # Half a minute of real time each, and scenarios or contracts show the sanitizers the same code.
-once := $(foreach t,board drives hidden,tests/cli/$(t).sh)
+once := $(foreach t,drives hidden,tests/cli/$(t).sh)
 test_runs := $(foreach v,$(variants),$(unit_c:%.c=$(v)/%)) \
     $(host_test_c:%.c=gcc/%) \
     $(patsubst %.c,san/%,$(filter tests/cli/% tests/contract/% tests/scenario/%,$(host_test_c))) \
@@ -46,7 +46,7 @@ $(foreach t,$(cpu_test_c:%.c=gcc/%) $(mcu_scripts:%.sh=script/%),$(B)/check/$(t)
 $(B)/check/script/tests/mcu/cpu/layout.log: $(B)/gcc/tests/mcu/layout
 $(B)/check/script/tests/mcu/cpu/second_opinion.log: $(B)/gcc/tests/mcu/cpu/exceptions
 $(B)/check/script/tests/mcu/cpu/same_bits.log: $(B)/gcc/boresight $(B)/clang/boresight
-$(B)/check/script/tests/cli/board.log: $(B)/gcc/tests/cli/support/pty_board
+$(foreach d,script script-san,$(B)/check/$(d)/tests/cli/board.log): $(B)/gcc/tests/cli/support/pty_board
 $(foreach d,script script-san,$(B)/check/$(d)/tests/cli/refusals.log): $(B)/gcc/tests/cli/support/pty_witness
 $(foreach l,script/tests/cli/drives script/tests/cli/run_wait script-san/tests/cli/run_wait,$(B)/check/$(l).log): $(B)/gcc/tests/cli/support/pty_drives
 -include $(B)/gcc/tests/cli/support/pty_board.d $(B)/gcc/tests/cli/support/pty_drives.d

@@ -364,6 +364,13 @@ static void adapters_by_their_numbers(void) {
     CHECK_EQ(libusb_model_objects(), 0);
 }
 
+/// Port 0 has a CAN adapter, and nobody has opened it.
+static void plug_adapter(void) {
+    reset(NULL);
+    linux_usb_close(&usb);
+    libusb_model_plug(0, &adapter);
+}
+
 /// Frames of another channel and of CAN FD, echoes of what was never sent: nothing is heard,
 /// nothing breaks, and what comes behind them is understood.
 static void frames_that_are_none_of_ours(void) {
@@ -379,9 +386,7 @@ static void frames_that_are_none_of_ours(void) {
     struct hal_can_state state = {.health = HAL_CAN_OFF};
     struct can_frame got;
     uint32_t at_us;
-    reset(NULL);
-    linux_usb_close(&usb);
-    libusb_model_plug(0, &adapter);
+    plug_adapter();
     memset(&bus, 0, sizeof bus);
     candle.channel_count = 2;
     clock_.step_us = 25000;
@@ -410,9 +415,7 @@ static void transfers_that_fail_on_and_on(void) {
     struct hal_can_state state;
     struct can_frame got;
     uint32_t at_us;
-    reset(NULL);
-    linux_usb_close(&usb);
-    libusb_model_plug(0, &adapter);
+    plug_adapter();
     memset(&bus, 0, sizeof bus);
     clock_.step_us = 25000;
     CHECK_EQ(linux_gs_usb_open(&gs, NULL, 0, 1000000, &clock_.hal), HAL_OK);
@@ -445,9 +448,7 @@ static void transfers_that_fail_on_and_on(void) {
 }
 
 static void adapter_fails_at_every_step(void) {
-    reset(NULL);
-    linux_usb_close(&usb);
-    libusb_model_plug(0, &adapter);
+    plug_adapter();
     each_failure("CAN adapter", live_as_adapter);
 }
 

@@ -32,13 +32,6 @@ start() { # ARGUMENT...
     runner=$!
 }
 says() { [ "$(grep -c "$1" "$work/run.err")" -ge "${2:-1}" ]; }
-arm_until() { # PATTERN COUNT: a drive that was away may still have to answer, so the person arms until it is taken
-    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
-        kill -USR1 $runner
-        until_true 2 says "$1" "$2" && return 0
-    done
-    return 1
-}
 end_run() {
     sleep 3 # time to arrive
     kill -INT $runner
@@ -59,7 +52,7 @@ verdict buses.tells_which_has_left $? "$work/run.err"
 wait $server1
 ip link add dev vcan1 type vcan && ip link set vcan1 up
 serve 1 vcan1
-until_true 30 says 'all devices are there again' && arm_until 'run: tracking' 2
+until_true 30 says 'all devices are there again' && arms_until 2 says 'run: tracking' 2
 verdict buses.opens_it_again $? "$work/run.err"
 end_run
 [ $? -eq 0 ]
@@ -119,13 +112,6 @@ arrives() {
     tail -n 1 "$work/truth" | awk -F '"pan_deg": |, "tilt_deg": ' -v wanted="$wanted" '{ split(wanted, w, " "); x = $2 - w[1]; y = $3 - w[2] }
         END { exit !(NF == 3 && x * x + y * y < 0.01) }'
 }
-arms_and_arrives() {
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
-        kill -USR1 $runner
-        until_true 3 arrives && return 0
-    done
-    return 1
-}
 works_again() { until_true 60 says "can:$ours: the bus works again" $((again = again + 1)); }
 now_ms() { awk '{ print int($1 * 1000) }' /proc/uptime; }
 again=0
@@ -156,7 +142,7 @@ until_true 60 says 'run: faulted: [a-z]*: a drive does not answer' $((faults + 1
 verdict buses.drives_fall_silent_when_it_stays_full $? "$work/run.err"
 aim 15 -5
 echo carry >&8
-works_again && arms_and_arrives
+works_again && arms_until 3 arrives
 verdict buses.aims_when_it_has_drained $? "$work/run.err" "$work/truth"
 
 echo passive >&8
@@ -171,7 +157,7 @@ echo off >&8
 until_true 60 says "$ours: bus-off; check cable, termination and bit rate; it is restarted"
 verdict buses.tells_of_bus_off $? "$work/run.err"
 aim -25 20
-works_again && arms_and_arrives
+works_again && arms_until 3 arrives
 verdict buses.aims_after_bus_off $? "$work/run.err" "$work/truth"
 ! says 'has gone' && ! says 'has left'
 verdict buses.none_of_this_is_a_lost_device $? "$work/run.err"
@@ -187,21 +173,20 @@ ip link set "$ours" down
 # ---------------------------------------------------------------- gs_usb by libusb
 rig gs_usb:0001 gs_usb:0001 >"$work/rig.ini"
 serve 0 "$peer"
-timeout 600 candump -L "$peer" >"$work/candump" &
-witness=$!
+record "$peer"
 start --stay
 until_true 60 says 'run: tracking'
 verdict buses.runs_on_gs_usb $? "$work/run.err"
 echo off >&8
 sleep 1
-arm_until 'run: tracking' 1
+arms_until 2 says 'run: tracking' 1
 verdict buses.survives_bus_off $? "$work/run.err"
 before=$(grep -c 'run: tracking' "$work/run.err")
 echo unplug >&8
 until_true 60 says 'CAN adapter 0001: the \(device\|adapter\) has left; plug it in again'
 verdict buses.tells_that_the_adapter_has_left $? "$work/run.err"
 echo plug >&8
-until_true 60 says 'all devices are there again' && arm_until 'run: tracking' $((before + 1))
+until_true 60 says 'all devices are there again' && arms_until 2 says 'run: tracking' $((before + 1))
 verdict buses.opens_the_adapter_again $? "$work/run.err"
 end_run
 [ $? -eq 0 ]
@@ -211,8 +196,9 @@ near "$(fact "$work/serve0.json" pan_deg)" $wanted_pan && near "$(fact "$work/se
 verdict buses.gs_usb_aims $? "$work/serve0.json" "$work/run.json"
 [ "$(fact "$work/run.json" can_restarts)" -ge 1 ]
 verdict buses.bus_off_was_restarted $? "$work/run.json"
+end_record
 [ "$(grep -c ' 14[12]#' "$work/candump")" -gt 100 ]
 verdict buses.candump_saw_the_requests $?
-kill $witness $candles
+kill $candles
 wait $candles
 loop_only_waits buses

@@ -43,3 +43,13 @@ end_record() {
     kill $witness
     wait $witness
 }
+
+# arms_until SECONDS COMMAND...: a drive that was away may still have to answer, so the person arms until the command succeeds, which
+# gets so long each time.
+arms_until() {
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
+        kill -USR1 $runner
+        until_true "$@" && return 0
+    done
+    return 1
+}

@@ -80,21 +80,13 @@ holds() {
     tail -n 10 "$work/truth" | awk -F '"pan_deg": |, "tilt_deg": |"aim_error_deg": ' 'NR == 1 { first = $2 }
         { moved = $2 - first; if (moved > 0.05 || moved < -0.05 || $4 + 0 < 3) bad = 1 } END { exit bad || NR < 10 }'
 }
-# A drive that was away may still have to answer, so the person arms until it is taken.
-comes_back() {
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
-        kill -USR1 $runner
-        until_true 2 settled && return 0
-    done
-    return 1
-}
+comes_back() { arms_until 2 settled; }
 
 mkfifo "$work/lamps"
 exec 9<>"$work/lamps"
 link_add $ours && link_add $theirs && join
 sed "s/^bus = fake/bus = can:$ours/; s/^tick_us.*/tick_us = 5000/" "$work/sim.ini" >"$work/rig.ini"
-timeout 600 candump -L $theirs >"$work/candump" &
-witness=$!
+record $theirs
 "$boresight" sim "$work/served.ini" --serve "can:$theirs" --frames "$work/view.pgm" --targets "$work/lamps" --state 0.1 --json >"$work/truth" 2>"$work/serve.err" &
 server=$!
 until_true 60 test -s "$work/truth"
@@ -166,5 +158,5 @@ wait $server
 [ $? -le 1 ] && [ "$(fact "$work/truth" pictures)" -gt 100 ] && # 1: a drive that heard nothing for a while turned faster than it should
     awk -F '"pan_deg": |, "tilt_deg": |, "targets": ' 'NF == 4 && ($2 > 80 || $2 < -80 || $3 > 28 || $3 < -28) { bad = 1 } END { exit bad }' "$work/truth"
 verdict loop.the_gimbal_kept_its_limits $? "$work/serve.err" "$work/truth"
-kill $witness
+end_record
 unplug_camera

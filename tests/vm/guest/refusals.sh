@@ -68,8 +68,7 @@ refused() { # NAME WHERE TEXT LINE: as $user
     [ $status -eq 4 ] && [ ! -s "$work/out" ] && cmp -s "$work/err" "$work/wanted"
     verdict "refusals.$1" $? "$work/wanted" "$work/err"
 }
-timeout 600 candump -L vcan0 >"$work/candump" &
-witness=$!
+record vcan0
 
 user=
 refused a_bus_that_is_down bus can:vcan1 'vcan1: the interface is down; sudo ip link set vcan1 up'
@@ -152,8 +151,7 @@ chgrp video /dev/video0 && chmod 660 /dev/video0
 refused a_camera_of_a_group camera /dev/video0 '/dev/video0: no permission; join group video (sudo usermod -aG video $USER) and log in again'
 user=
 
-kill $witness
-wait $witness
+end_record
 [ -n "$spoiled" ] || [ ! -s "$work/candump" ]
 verdict refusals.nothing_was_sent_meanwhile $? "$work/candump"
 
@@ -163,15 +161,13 @@ printf '[scenario]\nname = served\nrig = served-rig.ini\nseconds = 1\ntick_us = 
 make_rig none none
 sed 's/^bus = .*/bus = fake/' "$work/rig.ini" >"$work/served-rig.ini"
 serve
-timeout 600 candump -L vcan0 >"$work/candump" &
-witness=$!
+record vcan0
 make_rig id 5
 "$boresight" run "$work/rig.ini" --arm --seconds 60 >/dev/null 2>"$work/err"
 [ $? -eq 4 ] && [ "$(cat "$work/err")" = \
     'boresight run: can:vcan0: drive 5 does not answer; is it powered, its id and the bit rate right, the bus terminated?' ]
 verdict refusals.the_drive_that_is_not_there_is_named $? "$work/err"
-kill $witness
-wait $witness
+end_record
 grep -q ' 241#' "$work/candump" && grep -q ' 145#' "$work/candump" && ! grep -q ' 14.#A' "$work/candump"
 verdict refusals.the_drive_that_answers_does_not_move $?
 
